@@ -1,0 +1,55 @@
+"""The generalized-alpha family: the three coefficients of each member [Gobat 2002, eqs 17-21 and table 1, corrected].
+
+    (1-alpha_m) M Y'_i + alpha_m M Y'_(i-1) + (1-alpha_k) K Y_i + alpha_k K Y_(i-1) + ... = 0
+    Y_i = Y_(i-1) + dt [(1-gamma) Y'_(i-1) + gamma Y'_i]
+
+Y'_i approximates the derivative at t_i + (alpha_m - alpha_k) dt.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels.jit import kernel
+
+GENERALIZED_ALPHA = 0  # every lambda_infinity in [-1, 1); -1 is the box method
+BACKWARD_DIFFERENCE = 1
+TRAPEZOIDAL = 2
+GENERALIZED_TRAPEZOIDAL = 3
+CORNWELL_MALKUS = 4
+WBZ = 5
+INTEGRATORS = {
+    "generalized-alpha": GENERALIZED_ALPHA,
+    "backward-difference": BACKWARD_DIFFERENCE,
+    "trapezoidal": TRAPEZOIDAL,
+    "generalized-trapezoidal": GENERALIZED_TRAPEZOIDAL,
+    "cornwell-malkus": CORNWELL_MALKUS,
+    "wbz": WBZ,
+}
+
+
+class Coefficients(NamedTuple):
+    alpha_k: float
+    alpha_m: float
+    gamma: float
+
+
+@kernel
+def coefficients(integrator, lambda_infinity):
+    """Coefficients of a member; lambda_infinity is its eigenvalue at infinite frequency.
+
+    The paper's table 1 prints gamma = 1/2 - alpha (Cornwell-Malkus) and 1/2 + alpha (WBZ); its own second-order condition,
+    eq 19, asks for the opposite signs, which are used here.
+    """
+    lam = lambda_infinity
+    if integrator == 1:
+        return Coefficients(0.0, 0.0, 1.0)
+    if integrator == 2:
+        return Coefficients(0.0, 0.0, 0.5)
+    if integrator == 3:
+        return Coefficients(0.0, 0.0, 1.0 / (1.0 - lam))
+    if integrator == 4:
+        return Coefficients(lam / (lam - 1.0), 0.0, 0.5 + lam / (lam - 1.0))
+    if integrator == 5:
+        return Coefficients(0.0, 0.5 - 1.0 / (1.0 - lam), 1.0 / (1.0 - lam))
+    alpha_k = lam / (lam - 1.0)
+    alpha_m = (3.0 * lam + 1.0) / (2.0 * lam - 2.0)
+    return Coefficients(alpha_k, alpha_m, 0.5 - alpha_m + alpha_k)

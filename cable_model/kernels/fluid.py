@@ -1,0 +1,141 @@
+"""Water around a cable: velocity and acceleration of current and waves, and the Morison drag of a cable element and of a body."""
+
+import math
+
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
+
+
+@kernel
+def horizontal(vx, vy, like):
+    if len(like) == 2:
+        return (vx, 0.0)
+    return (vx, vy, 0.0)
+
+
+@kernel
+def horizontal_by_height(vx, vy, like):
+    """Gradient matrix of a horizontal velocity that changes with height at the rates vx, vy."""
+    if len(like) == 2:
+        return (0.0, vx, 0.0, 0.0)
+    return (0.0, 0.0, vx, 0.0, 0.0, vy, 0.0, 0.0, 0.0)
+
+
+@kernel
+def current_velocity(current, position):
+    """Velocity of the current and its gradient; linear between the levels of the table, held beyond its ends."""
+    if current is None:
+        return zero(position), diagonal(0.0, position)
+    z = position[len(position) - 1]
+    last = current.shape[0] - 1
+    if z <= current[0, 0]:
+        return horizontal(current[0, 1], current[0, 2], position), diagonal(0.0, position)
+    if z >= current[last, 0]:
+        return horizontal(current[last, 1], current[last, 2], position), diagonal(0.0, position)
+    i = 1
+    while current[i, 0] < z:
+        i += 1
+    dz = current[i, 0] - current[i - 1, 0]
+    sx = (current[i, 1] - current[i - 1, 1]) / dz
+    sy = (current[i, 2] - current[i - 1, 2]) / dz
+    above = z - current[i - 1, 0]
+    velocity = horizontal(current[i - 1, 1] + sx * above, current[i - 1, 2] + sy * above, position)
+    return velocity, horizontal_by_height(sx, sy, position)
+
+
+@kernel
+def _wave_axes(direction, like):
+    """Unit vector of propagation as a D-vector; in the plane its sign only."""
+    if len(like) == 2:
+        return (math.copysign(1.0, math.cos(direction)), 0.0)
+    return (math.cos(direction), math.sin(direction), 0.0)
+
+
+@kernel
+def _vertical(like):
+    if len(like) == 2:
+        return (0.0, 1.0)
+    return (0.0, 0.0, 1.0)
+
+
+@kernel
+def wave_motion(waves, position, t):
+    """Velocity, acceleration and velocity gradient of linear deep-water waves; above z = 0 the values of z = 0 hold.
+
+    Elevation of a component: a cos(k s - omega t + phase), s along its direction.
+    """
+    velocity = zero(position)
+    acceleration = zero(position)
+    gradient = diagonal(0.0, position)
+    if waves is None:
+        return velocity, acceleration, gradient
+    z = position[len(position) - 1]
+    up = _vertical(position)
+    for j in range(waves.shape[0]):
+        omega = waves[j, 1]
+        k = waves[j, 2]
+        along = _wave_axes(waves[j, 3], position)
+        angle = k * dot(along, position) - omega * t + waves[j, 4]
+        speed = waves[j, 0] * omega * math.exp(k * min(z, 0.0))
+        c = speed * math.cos(angle)
+        s = speed * math.sin(angle)
+        velocity = add(velocity, mix(c, along, s, up))
+        acceleration = add(acceleration, mix(omega * s, along, -omega * c, up))
+        by_along = mix(-k * s, along, k * c, up)
+        gradient = add_matrix(gradient, outer(by_along, along))
+        if z < 0.0:
+            by_up = mix(k * c, along, k * s, up)
+            gradient = add_matrix(gradient, outer(by_up, up))
+    return velocity, acceleration, gradient
+
+
+@kernel
+def water_motion(current, waves, position, t):
+    """Velocity, acceleration and velocity gradient of the water at a position: current plus waves."""
+    u, g = current_velocity(current, position)
+    w, a, gw = wave_motion(waves, position, t)
+    return add(u, w), a, add_matrix(g, gw)
+
+
+@kernel
+def element_drag(water, u, t, stretch):
+    """Drag per unstretched length on a cable element of tangent t moving at u through the water, and its derivatives.
+
+    f = -sqrt(stretch) (Kn |u_n| u_n + Kt |u_t| u_t t).  Returns f, df/du, and df/dq at fixed u, where q = stretch t.
+    """
+    root = math.sqrt(stretch)
+    along = dot(u, t)
+    across = axpy(-along, t, u)
+    speed = norm(across)
+    kn = water.normal_drag * root
+    kt = water.tangential_drag * root
+    f = mix(-kn * speed, across, -kt * abs(along) * along, t)
+    tt = outer(t, t)
+    normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, tt))
+    shape = scale_matrix(speed, normal)
+    turned = scale(0.0, t)
+    if speed > 1e-300:
+        turned = scale(1.0 / speed, across)
+        shape = add_matrix(shape, outer(turned, across))
+    by_velocity = add_matrix(scale_matrix(-kn, shape), scale_matrix(-2.0 * kt * abs(along), tt))
+    # turning the tangent by dt (normal to t): d(u_n) = -(u_n.dt) t - u_t dt
+    by_turn = add_matrix(
+        scale_matrix(kn * along, shape),
+        add_matrix(
+            scale_matrix(-kt * abs(along) * along, normal),
+            scale_matrix(kn * speed - 2.0 * kt * abs(along), outer(t, across)),
+        ),
+    )
+    by_q = add_matrix(scale_matrix(1.0 / stretch, by_turn), scale_matrix(0.5 / stretch, outer(f, t)))
+    return f, by_velocity, by_q
+
+
+@kernel
+def body_drag(coefficient, u):
+    """Drag -K |u| u on a body moving at u through the water, and its derivative: a vector law, the same in every direction."""
+    speed = norm(u)
+    by_velocity = diagonal(-coefficient * speed, u)
+    if speed > 1e-300:
+        by_velocity = add_matrix(by_velocity, scale_matrix(-coefficient / speed, outer(u, u)))
+    return scale(-coefficient * speed, u), by_velocity
+

@@ -1,0 +1,24 @@
+"""The head of every model's state vector: clock, counters, the top's motion and its last inputs; and the status codes of kernels.
+
+A state vector is one contiguous float64 array: HEADER numbers, then the model's own.  Copying it copies the whole state.
+"""
+
+TIME = 0
+STEP = 1  # last internal step, s; 0 before the first
+NEXT_STEP = 2  # step that the error control proposes, s
+STEPS = 3
+NEWTON = 4
+REJECTED = 5
+TOP = 6  # 6..14: position, velocity, acceleration of the top now
+INPUT = 15  # 15..23: the inputs of the last communication step
+INPUT_STEP = 24  # its size, s; 0 before the first
+ERROR_TIME = 25  # where a failed step began, s
+ERROR_NODE = 26  # node of the largest residual or change then
+ERROR_SIZE = 27  # its size
+HEADER = 32
+
+OK = 0
+STEP_TOO_SMALL = 1  # Newton failed down to the smallest step
+NOT_FINITE = 2
+NO_EQUILIBRIUM = 3
+OUT_OF_PLANE = 4

@@ -1,0 +1,143 @@
+"""The numbers that every kernel reads: one flat parameter vector, the named parts cut from it, and which parts are present.
+
+A part that a scene does not name is None: numba compiles a kernel without its terms.  `p` is the flat vector in the
+order of PARAMETERS (SI units); C code fills the same vector in the native FMU.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels.jit import kernel
+
+PARAMETERS = (
+    "cable.length",
+    "cable.diameter",
+    "cable.mass_per_length",
+    "cable.axial_stiffness",
+    "cable.bending_stiffness",
+    "cable.axial_damping",
+    "cable.normal_drag_coefficient",
+    "cable.tangential_drag_coefficient",
+    "cable.added_mass_coefficient",
+    "body.mass",
+    "body.volume",
+    "body.drag_area",
+    "body.added_mass",
+    "lower_end.x",
+    "lower_end.y",
+    "lower_end.z",
+    "lower_end.release_force",
+    "environment.gravity",
+    "water.density",
+    "solver.nodes",
+    "solver.grading",
+    "solver.time_step",
+    "solver.lambda_infinity",
+    "solver.integrator",
+    "solver.tolerance",
+    "solver.slack_smoothing",
+    "solver.slack_damping",
+    "tow.poisson_ratio",
+    "tow.reference_tension",
+    "tow.drag_segments",
+    "tow.minimum_tension",
+    "tow.added_mass_vertical",
+    "tow.drag_area_axial",
+    "tow.body_angle",
+)
+
+
+class Parts(NamedTuple):
+    """Which parts a problem has: None is absent, True (or the part's own table) is present."""
+
+    box: object = None  # the paper's box grid instead of the staggered one
+    space: object = None  # motion in space instead of one vertical plane
+    inextensible: object = None  # box grid only
+    slack: object = None  # the cable carries no compression
+    bending: object = None
+    voigt: object = None  # material (Kelvin-Voigt) axial damping
+    body: object = None
+    anchor: object = None
+    water: object = None
+    current: object = None  # table, one row a level: z, velocity x, velocity y; sorted by rising z; end values hold beyond it
+    waves: object = None  # table, one row a component: amplitude, angular frequency, wave number, direction, phase
+    cable_mass: object = None  # TowCable only (CBMAS >= 0)
+    tension_floor: object = None  # TowCable only (TENS)
+    as_printed: object = None  # TowCable only: the report's errors kept
+
+
+class Cable(NamedTuple):
+    length: float
+    diameter: float
+    mass: float  # per unstretched length, kg/m
+    stiffness: float  # EA, N
+    gravity: float
+    weight: float  # in the medium, per unstretched length, N/m
+
+
+class Body(NamedTuple):
+    mass: float
+    added_mass: float
+    displaced_mass: float
+    weight: float  # in the medium, N
+    drag: float  # 1/2 rho Cd A, kg/m
+
+
+class Water(NamedTuple):
+    normal_drag: float  # 1/2 rho d Cn, kg/m2
+    tangential_drag: float  # 1/2 rho d Ct, kg/m2
+    added_mass: float  # per unstretched length, kg/m
+    displaced_mass: float  # per unstretched length, kg/m
+
+
+@kernel
+def cable_part(water, p):
+    area = 0.25 * 3.141592653589793 * p[1] * p[1]
+    density = 0.0
+    if water is not None:
+        density = p[18]
+    return Cable(p[0], p[1], p[2], p[3], p[17], (p[2] - density * area) * p[17])
+
+
+@kernel
+def body_part(body, water, p):
+    if body is None:
+        return None
+    density = 0.0
+    if water is not None:
+        density = p[18]
+    added = 0.0
+    if water is not None:
+        added = p[12]
+    return Body(p[9], added, density * p[10], (p[9] - density * p[10]) * p[17], 0.5 * density * p[11])
+
+
+@kernel
+def water_part(water, p):
+    if water is None:
+        return None
+    displaced = p[18] * 0.25 * 3.141592653589793 * p[1] * p[1]
+    drag = 0.5 * p[18] * p[1]
+    return Water(drag * p[6], drag * p[7], displaced * p[8], displaced)
+
+
+@kernel
+def anchor_part(anchor, space, p):
+    if anchor is None:
+        return None
+    return (p[13], p[14], p[15])
+
+
+@kernel
+def node_count(p):
+    return int(p[19])
+
+
+@kernel
+def total_weight(parts, p):
+    """Force scale W: weights in the medium of cable and body, N; never zero."""
+    cable = cable_part(parts.water, p)
+    weight = abs(cable.weight) * cable.length
+    body = body_part(parts.body, parts.water, p)
+    if body is not None:
+        weight += abs(body.weight)
+    return max(weight, 1e-6 * cable.mass * cable.gravity * cable.length, 1e-12 * cable.stiffness)

@@ -1,0 +1,286 @@
+"""The staggered grid: motion at the nodes, tension in the cells; residual and analytic Jacobian of one Newton iteration.
+
+Node 0 is the lower end, node n-1 the prescribed top; cell i joins nodes i and i+1.  State of a step: the cell vectors
+q = (r_(i+1) - r_i)/h and the node velocities v.  q is linear in v, so v is the only unknown of the Newton iteration.
+
+    R_i = inertia_i - f_i + f_(i-1) - loads_i = 0,      f = T t + N g/(l h):  the force that cell i exerts on node i
+
+l = |q|, t = q/l, T the tension, N = I - t t, g the gradient of the bending energy by t.  Inertia of a cell is shared at
+its split b (the travel-time midpoint) with weights b - 1/12, 1/12, 1 - b - 1/12: fourth-order dispersion on smooth meshes.
+"""
+
+import math
+
+from cable_model.kernels.block_elimination import clear_outer, identity_row
+from cable_model.kernels.fluid import body_drag, element_drag, water_motion
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.vector import (
+    add,
+    add_matrix,
+    apply,
+    axpy,
+    diagonal,
+    dot,
+    load,
+    mix,
+    multiply,
+    outer,
+    scale,
+    scale_matrix,
+    store,
+    store_matrix,
+    sub,
+    upward,
+    zero,
+)
+
+SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
+
+
+@kernel
+def tension(slack, smoothing, f):
+    """Tension at f = EA e + C e': f itself, or (slack present) (f + sqrt(f^2 + w0^2))/2, which is never negative.
+
+    The smooth law is monotone in the strain rate, so damping only dissipates.
+    """
+    if slack is None:
+        return f
+    root = math.sqrt(f * f + smoothing * smoothing)
+    if f >= 0.0:
+        return 0.5 * (f + root)
+    return 0.5 * smoothing * smoothing / (root - f)  # the same without cancellation
+
+
+@kernel
+def constitutive(slack, smoothing, f, force):
+    """Slope dT/df at the iterate `force`, and the misfit of the law there.
+
+    With slack the law is used in its inverse form f = T - w0^2/(4 T), T > 0: the barrier form of an interior-point method,
+    on which Newton's method does not see the kink.
+    """
+    if slack is None:
+        return 1.0, f - force
+    barrier = 0.25 * smoothing * smoothing / force
+    return force / (force + barrier), f - force + barrier
+
+
+@kernel
+def step_tension(slack, force, change):
+    """Tension after a Newton change; with slack it stays positive.  Also whether the change was cut."""
+    if slack is None:
+        return force + change, False
+    if change < -0.9 * force:
+        return 0.1 * force, True
+    return force + change, False
+
+
+@kernel
+def _element_water(water, parts, medium, cable, h, split, t, stretch, position, speed, low, up, time, gains):
+    """Added mass, Froude-Krylov force and drag of a cell.
+
+    Returns residual shares of the lower and the upper node, their derivatives by q, by the cell's velocity and by its
+    position, and the cell's inertia matrix per unit acceleration and length.
+    """
+    inertia = diagonal(cable.mass, t)
+    none = diagonal(0.0, t)
+    if water is None:
+        return zero(t), zero(t), none, none, none, none, inertia
+    flow, flow_rate, flow_gradient = water_motion(parts.current, parts.waves, position, time)
+    normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, outer(t, t)))
+    inertia = add_matrix(inertia, scale_matrix(medium.added_mass, normal))
+    # normal inertia force per length on the shares: added mass times (a - a_w), minus displaced mass times a_w
+    pressed = scale(medium.added_mass + medium.displaced_mass, flow_rate)
+    low_load = axpy(medium.added_mass, low, scale(-split, pressed))
+    up_load = axpy(medium.added_mass, up, scale(split - 1.0, pressed))
+    low_q = scale_matrix(-h / stretch, _turned(normal, low_load, t))
+    up_q = scale_matrix(-h / stretch, _turned(normal, up_load, t))
+    # the added-mass share itself is in the inertia matrix: only the water's part is a load here
+    low_r = scale(-h * split, apply(normal, pressed))
+    up_r = scale(h * (split - 1.0), apply(normal, pressed))
+    drag, by_v, by_q = element_drag(medium, sub(speed, flow), t, stretch)
+    low_r = axpy(-h * split, drag, low_r)
+    up_r = axpy(h * (split - 1.0), drag, up_r)
+    low_q = add_matrix(low_q, scale_matrix(-h * split, by_q))
+    up_q = add_matrix(up_q, scale_matrix(h * (split - 1.0), by_q))
+    # through the velocity (mean of both nodes) and through the place of the cell in the flow
+    by_motion = add_matrix(scale_matrix(gains.v, by_v), scale_matrix(-gains.r, multiply(by_v, flow_gradient)))
+    return low_r, up_r, low_q, up_q, scale_matrix(-0.5 * h * split, by_motion), scale_matrix(0.5 * h * (split - 1.0), by_motion), inertia
+
+
+@kernel
+def _turned(normal, x, t):
+    """-l d(N x)/dq at fixed x: N (t.x) + t (N x)."""
+    return add_matrix(scale_matrix(dot(t, x), normal), outer(t, apply(normal, x)))
+
+
+@kernel
+def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, time, bands, x, cells):
+    """Residual (with minus sign, into x) and Jacobian (into bands) of all rows at given q (n-1, D), v and a (n, D).
+
+    The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
+    gains: derivatives of q h, v, a and r by the unknown velocities.  cells (>=n-1, 2D+3), a row each: tension (read), then
+    written: its pending change at fixed velocities, the stretch, the tangent, and the derivative of the tension by v_up - v_low.
+    """
+    n = v.shape[0]
+    position = top
+    like = top
+    v_up = load(v, n - 1, like)
+    a_up = load(a, n - 1, like)
+    carry_r = zero(like)
+    carry_d = diagonal(0.0, like)
+    for i in range(n - 2, -1, -1):
+        h = mesh[i, 0]
+        split = mesh[i, 1]
+        qi = load(q, i, like)
+        v_low = load(v, i, like)
+        a_low = load(a, i, like)
+        middle = axpy(-0.5 * h, qi, position)
+        position = axpy(-h, qi, position)
+        l2 = dot(qi, qi)
+        stretch = math.sqrt(l2)
+        inv = 1.0 / stretch
+        t = scale(inv, qi)
+        dv = scale(1.0 / h, sub(v_up, v_low))
+        rate = dot(dv, t)
+        damping = numeric.voigt + numeric.damping * h
+        force = cells[i, 0]
+        slope, misfit = constitutive(parts.slack, numeric.smoothing, cable.stiffness * (stretch - 1.0) + damping * rate, force)
+        along = scale(slope * (gains.q * cable.stiffness + gains.v * damping) / h, t)
+        along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t, dv), along)
+        pending = slope * misfit
+        pull = scale(force + pending, t)
+        tt = outer(t, t)
+        firm = force * inv * gains.q / h
+        k = add_matrix(outer(t, along), add_matrix(diagonal(firm, like), scale_matrix(-firm, tt)))
+        low = mix(split - SHARE, a_low, SHARE, a_up)
+        up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
+        speed = mix(0.5, v_low, 0.5, v_up)
+        low_w, up_w, low_q, up_q, low_v, up_v, inertia = _element_water(
+            parts.water, parts, medium, cable, h, split, t, stretch, middle, speed, low, up, time, gains
+        )
+        down = upward(-cable.weight * h, like)
+        low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(low_w, pull)))
+        up_r = axpy(h, apply(inertia, up), axpy(split - 1.0, down, add(up_w, pull)))
+        # row i+1 is complete now
+        m = scale_matrix(h * gains.a, inertia)
+        near = scale_matrix(SHARE, m)
+        kq_low = add_matrix(scale_matrix(-1.0, k), scale_matrix(gains.q / h, low_q))
+        kq_up = add_matrix(k, scale_matrix(gains.q / h, up_q))
+        store_matrix(bands, 1, i + 1, add_matrix(near, add_matrix(scale_matrix(-1.0, kq_up), up_v)))
+        store_matrix(bands, 2, i + 1, add_matrix(carry_d, add_matrix(scale_matrix(1.0 - split - SHARE, m), add_matrix(kq_up, up_v))))
+        store(x, i + 1, scale(-1.0, add(carry_r, up_r)))
+        store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
+        carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
+        carry_r = low_r
+        cells[i, 1] = pending
+        cells[i, 2] = stretch
+        for k in range(len(like)):
+            cells[i, 3 + k] = t[k]
+            cells[i, 3 + len(like) + k] = along[k]
+        v_up = v_low
+        a_up = a_low
+    end_r, end_d = _lower_end(parts.body, parts, body, cable, gains, position, v_up, a_up, time)
+    store_matrix(bands, 2, 0, add_matrix(carry_d, end_d))
+    store_matrix(bands, 1, 0, diagonal(0.0, like))
+    store_matrix(bands, 3, n - 1, diagonal(0.0, like))
+    store(x, 0, scale(-1.0, add(carry_r, end_r)))
+    _add_bending(parts.bending, numeric.bending, gains, mesh, q, bands, x, cells, like)
+    _add_pull(numeric.pull, x, like)
+
+
+@kernel
+def _add_pull(pull, x, like):
+    """The horizontal force that holds the lower end until it is let go (0 while running)."""
+    x[0, 0] += pull
+
+
+@kernel
+def _lower_end(present, parts, body, cable, gains, position, v, a, time):
+    """Residual of the body on the lower end, and its derivative by the end's velocity."""
+    if present is None:
+        return zero(v), diagonal(0.0, v)
+    return _body_terms(parts.water, parts, body, gains, position, v, a, time)
+
+
+@kernel
+def _body_terms(water, parts, body, gains, position, v, a, time):
+    mass = body.mass + body.added_mass
+    residual = axpy(mass, a, upward(body.weight, v))
+    jacobian = diagonal(mass * gains.a, v)
+    if water is None:
+        return residual, jacobian
+    flow, flow_rate, flow_gradient = water_motion(parts.current, parts.waves, position, time)
+    drag, by_v = body_drag(body.drag, sub(v, flow))
+    residual = sub(axpy(-(body.displaced_mass + body.added_mass), flow_rate, residual), drag)
+    jacobian = add_matrix(jacobian, scale_matrix(-gains.v, by_v))
+    return residual, add_matrix(jacobian, scale_matrix(gains.r, multiply(by_v, flow_gradient)))
+
+
+@kernel
+def _curl(x, t, inv):
+    """d(N x / l)/dq at fixed x."""
+    s = dot(t, x)
+    m = add_matrix(outer(x, t), outer(t, x))
+    m = add_matrix(m, add_matrix(diagonal(s, t), scale_matrix(-3.0 * s, outer(t, t))))
+    return scale_matrix(-inv * inv, m)
+
+
+@kernel
+def _add_bending(bending, stiffness, gains, mesh, q, bands, x, cells, like):
+    """Shear from the bending energy EI |t_(i+1) - t_i|^2/(2 h_node) of every inner node; ends carry no moment."""
+    if bending is None:
+        return
+    n = x.shape[0]
+    clear_outer(bending, bands, n)
+    for j in range(1, n - 1):  # inner node j between cells j-1 (low) and j (up)
+        low = j - 1
+        kappa = stiffness / ((1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[j, 1] * mesh[j, 0])
+        i0 = 1.0 / cells[low, 2]
+        i1 = 1.0 / cells[j, 2]
+        t0 = scale(i0, load(q, low, like))
+        t1 = scale(i1, load(q, j, like))
+        h0 = 1.0 / mesh[low, 0]
+        h1 = 1.0 / mesh[j, 0]
+        # gradient by q of the energy: N g / l with g0 = -kappa t1 on the low cell, g1 = -kappa t0 on the upper one
+        n0 = add_matrix(diagonal(i0, like), scale_matrix(-i0, outer(t0, t0)))
+        n1 = add_matrix(diagonal(i1, like), scale_matrix(-i1, outer(t1, t1)))
+        g0 = scale(-kappa * h0, apply(n0, t1))
+        g1 = scale(-kappa * h1, apply(n1, t0))
+        # dE/dr: node low: -g0, node j: g0 - g1, node j+1: g1; x holds minus the residual
+        store(x, low, add(load(x, low, like), g0))
+        store(x, j, add(load(x, j, like), sub(g1, g0)))
+        store(x, j + 1, sub(load(x, j + 1, like), g1))
+        a00 = scale_matrix(-kappa * gains.q * h0 * h0, _curl(t1, t0, i0))
+        a11 = scale_matrix(-kappa * gains.q * h1 * h1, _curl(t0, t1, i1))
+        a01 = scale_matrix(-kappa * gains.q * h0 * h1, multiply(n0, n1))
+        a10 = scale_matrix(-kappa * gains.q * h0 * h1, multiply(n1, n0))
+        # Hessian of E by (r_low, r_j, r_up) with q0 ~ r_j - r_low, q1 ~ r_up - r_j
+        _add_to(bands, 2, low, a00)
+        _add_to(bands, 3, low, add_matrix(a01, scale_matrix(-1.0, a00)))
+        _add_to(bands, 4, low, scale_matrix(-1.0, a01))
+        _add_to(bands, 1, j, add_matrix(a10, scale_matrix(-1.0, a00)))
+        _add_to(bands, 2, j, add_matrix(add_matrix(a00, a11), scale_matrix(-1.0, add_matrix(a01, a10))))
+        _add_to(bands, 3, j, add_matrix(a01, scale_matrix(-1.0, a11)))
+        _add_to(bands, 0, j + 1, scale_matrix(-1.0, a10))
+        _add_to(bands, 1, j + 1, add_matrix(a10, scale_matrix(-1.0, a11)))
+        _add_to(bands, 2, j + 1, a11)
+
+
+@kernel
+def _add_to(bands, j, i, m):
+    for k in range(len(m)):
+        bands[j, i, k] += m[k]
+
+
+@kernel
+def prescribe_ends(parts, bands, x, n, like):
+    """The top node, and an anchored lower end, have no unknowns: their change is zero."""
+    identity_row(parts.bending, bands, x, n - 1, like)
+    _prescribe_anchor(parts.anchor, parts.bending, bands, x, like)
+
+
+@kernel
+def _prescribe_anchor(anchor, bending, bands, x, like):
+    if anchor is not None:
+        identity_row(bending, bands, x, 0, like)
+

@@ -1,0 +1,170 @@
+"""One implicit step of the staggered chain: Newton's method on the node velocities under any member of the family.
+
+State Y is (2n, D): rows 0 ... n-2 the cell vectors q, row n-1 the integrated position of the top (for anchored cables),
+rows n ... 2n-1 the node velocities.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels.block_elimination import solve
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.staggered import assemble, prescribe_ends, step_tension
+from cable_model.kernels.vector import axpy, load, mix, scale, store, sub
+
+MAX_ITERATIONS = 25
+DIVERGED = -1
+NOT_CONVERGED = -2
+
+
+class Numeric(NamedTuple):
+    """Constants of a run that are neither cable nor water."""
+
+    smoothing: float  # w0 of the slack law, N
+    damping: float  # slack law: axial damping per cell length, zeta sqrt(EA m), N s/m
+    voigt: float  # material axial damping, N s
+    bending: float  # EI, N m2
+    pull: float  # horizontal force on the lower end, N
+    tolerance: float  # of the Newton iteration on velocities, m/s
+
+
+class Gains(NamedTuple):
+    """Derivatives of the quantities at the averaged time by the velocity at the new time."""
+
+    q: float
+    v: float
+    a: float
+    r: float
+
+
+class Scratch(NamedTuple):
+    """Work arrays of a step."""
+
+    q: object
+    v: object
+    a: object
+    x: object
+    bands: object
+    cells: object
+
+
+@kernel
+def scratch_size(n, dimension):
+    return n * (6 * dimension + 3) + 5 * n * dimension * dimension
+
+
+@kernel
+def cut_scratch(work, n, like):
+    d = len(like)
+    m = n * d
+    return Scratch(
+        work[0:m].reshape((n, d)),
+        work[m : 2 * m].reshape((n, d)),
+        work[2 * m : 3 * m].reshape((n, d)),
+        work[3 * m : 4 * m].reshape((n, d)),
+        work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
+        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (2 * d + 3)].reshape((n, 2 * d + 3)),
+    )
+
+
+@kernel
+def newton_step(parts, cable, medium, body, numeric, mesh, y0, yd0, ydd, c, time, h, top, top_velocity, y1, yd1, s):
+    """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
+
+    `yd0` is already corrected for a changed step; `ydd` predicts.  `time` and `top` are those at the averaged time
+    t_i - alpha_k h; `top_velocity` is the prescribed one at the new time.
+    """
+    n = mesh.shape[0] + 1
+    like = top
+    rate_old = c.alpha_m / (1.0 - c.alpha_m)
+    rate_new = 1.0 / (1.0 - c.alpha_m)
+    to_position = h * c.gamma * rate_new * (1.0 - c.alpha_k)
+    to_rate = 1.0 / (c.gamma * h)
+    back = (1.0 - c.gamma) / c.gamma
+    gains = Gains(to_position * (1.0 - c.alpha_k), 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, to_position * (1.0 - c.alpha_k))
+    for i in range(n - 1):
+        guess = axpy(h, axpy(c.gamma * h, load(ydd, n + i, like), load(yd0, n + i, like)), load(y0, n + i, like))
+        store(y1, n + i, guess)
+    store(y1, 2 * n - 1, top_velocity)
+    _hold_anchor(parts.anchor, y1, n, like)
+    previous = 1e300
+    for iteration in range(1, MAX_ITERATIONS + 1):
+        _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
+        assemble(parts, cable, medium, body, numeric, gains, mesh, s.q, s.v, s.a, top, time, s.bands, s.x, s.cells)
+        prescribe_ends(parts, s.bands, s.x, n, like)
+        solve(parts.bending, s.bands, s.x, n, like)
+        change = 0.0
+        for i in range(n):
+            for k in range(len(like)):
+                dv = s.x[i, k]
+                y1[n + i, k] += dv
+                if not abs(dv) <= change:
+                    change = abs(dv)
+        if not change < 1e12:
+            return DIVERGED
+        cut = _update_tensions(parts.slack, s.cells, s.x, n, like)
+        # quadratic convergence: the next change would be about change^3/previous^2
+        expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
+        if min(change, 100.0 * expected) <= numeric.tolerance and not cut:
+            _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
+            return iteration
+        previous = change
+    return NOT_CONVERGED
+
+
+@kernel
+def _update_tensions(slack, cells, x, n, like):
+    cut = False
+    for i in range(n - 1):
+        change = cells[i, 1]
+        for k in range(len(like)):
+            change += cells[i, 3 + len(like) + k] * (x[i + 1, k] - x[i, k])
+        cells[i, 0], limited = step_tension(slack, cells[i, 0], change)
+        cut = cut or limited
+    return cut
+
+
+@kernel
+def _hold_anchor(anchor, y1, n, like):
+    if anchor is not None:
+        store(y1, n, scale(0.0, like))
+
+
+@kernel
+def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like):
+    """Cell vectors and velocities at the averaged time, accelerations at theirs."""
+    n = mesh.shape[0] + 1
+    low = mix(1.0 - c.alpha_k, load(y1, n, like), c.alpha_k, load(y0, n, like))
+    for i in range(n):
+        v0 = load(y0, n + i, like)
+        v1 = load(y1, n + i, like)
+        vd0 = load(yd0, n + i, like)
+        vd1 = axpy(-back, vd0, scale(to_rate, sub(v1, v0)))
+        store(s.a, i, mix(1.0 - c.alpha_m, vd1, c.alpha_m, vd0))
+        store(s.v, i, mix(1.0 - c.alpha_k, v1, c.alpha_k, v0))
+        if i + 1 < n:
+            up = mix(1.0 - c.alpha_k, load(y1, n + i + 1, like), c.alpha_k, load(y0, n + i + 1, like))
+            q0 = load(y0, i, like)
+            qd0 = load(yd0, i, like)
+            qd1 = mix(rate_new / mesh[i, 0], sub(up, low), -rate_old, qd0)
+            q1 = axpy(h, mix(1.0 - c.gamma, qd0, c.gamma, qd1), q0)
+            store(s.q, i, mix(1.0 - c.alpha_k, q1, c.alpha_k, q0))
+            low = up
+
+
+@kernel
+def _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like):
+    """Rates and cell vectors at the new time from the converged velocities."""
+    n = mesh.shape[0] + 1
+    for i in range(n):
+        v0 = load(y0, n + i, like)
+        v1 = load(y1, n + i, like)
+        store(yd1, n + i, axpy(-back, load(yd0, n + i, like), scale(to_rate, sub(v1, v0))))
+        if i + 1 < n:
+            up = mix(1.0 - c.alpha_k, load(y1, n + i + 1, like), c.alpha_k, load(y0, n + i + 1, like))
+            low = mix(1.0 - c.alpha_k, v1, c.alpha_k, v0)
+            drift = scale(1.0 / mesh[i, 0], sub(up, low))
+        else:  # the integrated position of the top
+            drift = mix(1.0 - c.alpha_k, v1, c.alpha_k, v0)
+        rate = mix(rate_new, drift, -rate_old, load(yd0, i, like))
+        store(yd1, i, rate)
+        store(y1, i, axpy(h, mix(1.0 - c.gamma, load(yd0, i, like), c.gamma, rate), load(y0, i, like)))

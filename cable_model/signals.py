@@ -1,0 +1,17 @@
+"""Names of the inputs and outputs of both models, in the order of the arrays that carry them.  SI; z up from still water."""
+
+INPUTS = (
+    "top.x", "top.y", "top.z",
+    "top.vx", "top.vy", "top.vz",
+    "top.ax", "top.ay", "top.az",
+)  # fmt: skip
+
+OUTPUTS = (
+    "top.force_x", "top.force_y", "top.force_z",
+    "top.tension", "top.declination",
+    "body.x", "body.y", "body.z",
+    "body.vx", "body.vy", "body.vz",
+    "body.tension",
+    "cable.tension_max", "cable.tension_min", "cable.slack_fraction",
+    "solver.steps", "solver.newton_iterations", "solver.rejected_steps",
+)  # fmt: skip
