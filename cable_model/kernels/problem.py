@@ -121,10 +121,18 @@ def water_part(water, p):
 
 
 @kernel
-def anchor_part(anchor, space, p):
-    if anchor is None:
-        return None
-    return (p[13], p[14], p[15])
+def body_weight(body):
+    """Weight of the body in the medium, N; 0 without a body."""
+    if body is None:
+        return 0.0
+    return body.weight
+
+
+@kernel
+def body_mass(body):
+    if body is None:
+        return 0.0
+    return body.mass
 
 
 @kernel
@@ -137,7 +145,5 @@ def total_weight(parts, p):
     """Force scale W: weights in the medium of cable and body, N; never zero."""
     cable = cable_part(parts.water, p)
     weight = abs(cable.weight) * cable.length
-    body = body_part(parts.body, parts.water, p)
-    if body is not None:
-        weight += abs(body.weight)
+    weight += abs(body_weight(body_part(parts.body, parts.water, p)))
     return max(weight, 1e-6 * cable.mass * cable.gravity * cable.length, 1e-12 * cable.stiffness)

@@ -114,10 +114,11 @@ def _turned(normal, x, t):
 
 
 @kernel
-def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, time, bands, x, cells):
+def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, time, lowest, bands, x, cells):
     """Residual (with minus sign, into x) and Jacobian (into bands) of all rows at given q (n-1, D), v and a (n, D).
 
     The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
+    Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
     gains: derivatives of q h, v, a and r by the unknown velocities.  cells (>=n-1, 2D+3), a row each: tension (read), then
     written: its pending change at fixed velocities, the stretch, the tangent, and the derivative of the tension by v_up - v_low.
     """
@@ -128,7 +129,7 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
     a_up = load(a, n - 1, like)
     carry_r = zero(like)
     carry_d = diagonal(0.0, like)
-    for i in range(n - 2, -1, -1):
+    for i in range(n - 2, lowest - 1, -1):
         h = mesh[i, 0]
         split = mesh[i, 1]
         qi = load(q, i, like)
@@ -179,23 +180,17 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
             cells[i, 3 + len(like) + k] = along[k]
         v_up = v_low
         a_up = a_low
-    end_r, end_d = _lower_end(parts.body, parts, body, cable, gains, position, v_up, a_up, time)
-    store_matrix(bands, 2, 0, add_matrix(carry_d, end_d))
-    store_matrix(bands, 1, 0, diagonal(0.0, like))
+    end_r, end_d = lower_end_terms(parts.body, parts, body, cable, gains, position, v_up, a_up, time)
+    store_matrix(bands, 2, lowest, add_matrix(carry_d, end_d))
+    store_matrix(bands, 1, lowest, diagonal(0.0, like))
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
-    store(x, 0, scale(-1.0, add(carry_r, end_r)))
-    _add_bending(parts.bending, numeric.bending, gains, mesh, q, bands, x, cells, like)
-    _add_pull(numeric.pull, x, like)
+    store(x, lowest, scale(-1.0, add(carry_r, end_r)))
+    x[lowest, 0] += numeric.pull
+    _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, cells, like)
 
 
 @kernel
-def _add_pull(pull, x, like):
-    """The horizontal force that holds the lower end until it is let go (0 while running)."""
-    x[0, 0] += pull
-
-
-@kernel
-def _lower_end(present, parts, body, cable, gains, position, v, a, time):
+def lower_end_terms(present, parts, body, cable, gains, position, v, a, time):
     """Residual of the body on the lower end, and its derivative by the end's velocity."""
     if present is None:
         return zero(v), diagonal(0.0, v)
@@ -226,13 +221,13 @@ def _curl(x, t, inv):
 
 
 @kernel
-def _add_bending(bending, stiffness, gains, mesh, q, bands, x, cells, like):
+def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, cells, like):
     """Shear from the bending energy EI |t_(i+1) - t_i|^2/(2 h_node) of every inner node; ends carry no moment."""
     if bending is None:
         return
     n = x.shape[0]
     clear_outer(bending, bands, n)
-    for j in range(1, n - 1):  # inner node j between cells j-1 (low) and j (up)
+    for j in range(lowest + 1, n - 1):  # inner node j between cells j-1 (low) and j (up)
         low = j - 1
         kappa = stiffness / ((1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[j, 1] * mesh[j, 0])
         i0 = 1.0 / cells[low, 2]

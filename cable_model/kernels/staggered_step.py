@@ -1,15 +1,16 @@
 """One implicit step of the staggered chain: Newton's method on the node velocities under any member of the family.
 
 State Y is (2n, D): rows 0 ... n-2 the cell vectors q, row n-1 the integrated position of the top (for anchored cables),
-rows n ... 2n-1 the node velocities.
+rows n ... 2n-1 the node velocities.  Every public function has a twin of the same name and arguments for the box grid.
 """
 
 from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import body_mass
 from cable_model.kernels.staggered import assemble, prescribe_ends, step_tension
-from cable_model.kernels.vector import axpy, load, mix, scale, store, sub
+from cable_model.kernels.vector import axpy, dot, load, mix, scale, store, sub
 
 MAX_ITERATIONS = 25
 DIVERGED = -1
@@ -25,6 +26,15 @@ class Numeric(NamedTuple):
     bending: float  # EI, N m2
     pull: float  # horizontal force on the lower end, N
     tolerance: float  # of the Newton iteration on velocities, m/s
+
+
+class Problem(NamedTuple):
+    """What moves: see the parts of problem.py."""
+
+    cable: object
+    medium: object
+    body: object
+    numeric: object
 
 
 class Gains(NamedTuple):
@@ -67,29 +77,33 @@ def cut_scratch(work, n, like):
 
 
 @kernel
-def newton_step(parts, cable, medium, body, numeric, mesh, y0, yd0, ydd, c, time, h, top, top_velocity, y1, yd1, s):
+def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, top_velocity, y1, yd1, force, s):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
-    `yd0` is already corrected for a changed step; `ydd` predicts.  `time` and `top` are those at the averaged time
-    t_i - alpha_k h; `top_velocity` is the prescribed one at the new time.
+    `yd0` is already corrected for a changed step; `y_old`, the state h_old before y0, predicts (h_old = 0: none).  `time` and
+    `top` are those at the averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `force` (n-1),
+    the tensions of the cells, is updated on success only.
     """
     n = mesh.shape[0] + 1
     like = top
+    cable, medium, body, numeric = problem
     rate_old = c.alpha_m / (1.0 - c.alpha_m)
     rate_new = 1.0 / (1.0 - c.alpha_m)
     to_position = h * c.gamma * rate_new * (1.0 - c.alpha_k)
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
     gains = Gains(to_position * (1.0 - c.alpha_k), 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, to_position * (1.0 - c.alpha_k))
+    reach = h / h_old if h_old > 0.0 else 0.0
     for i in range(n - 1):
-        guess = axpy(h, axpy(c.gamma * h, load(ydd, n + i, like), load(yd0, n + i, like)), load(y0, n + i, like))
-        store(y1, n + i, guess)
+        store(y1, n + i, mix(1.0 + reach, load(y0, n + i, like), -reach, load(y_old, n + i, like)))
     store(y1, 2 * n - 1, top_velocity)
     _hold_anchor(parts.anchor, y1, n, like)
+    for i in range(n - 1):
+        s.cells[i, 0] = force[i]
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
-        assemble(parts, cable, medium, body, numeric, gains, mesh, s.q, s.v, s.a, top, time, s.bands, s.x, s.cells)
+        assemble(parts, cable, medium, body, numeric, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, s.bands, s.x, n, like)
         change = 0.0
@@ -106,6 +120,8 @@ def newton_step(parts, cable, medium, body, numeric, mesh, y0, yd0, ydd, c, time
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
         if min(change, 100.0 * expected) <= numeric.tolerance and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
+            for i in range(n - 1):
+                force[i] = s.cells[i, 0]
             return iteration
         previous = change
     return NOT_CONVERGED
@@ -168,3 +184,21 @@ def _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, lik
         rate = mix(rate_new, drift, -rate_old, load(yd0, i, like))
         store(yd1, i, rate)
         store(y1, i, axpy(h, mix(1.0 - c.gamma, load(yd0, i, like), c.gamma, rate), load(y0, i, like)))
+
+
+@kernel
+def rate_error(problem, mesh, yd0, yd1, ydd, h, like):
+    """Root mean square over the mass of what the accelerations differ from their linear extrapolation, m/s2."""
+    n = mesh.shape[0] + 1
+    total = 0.0
+    summed = 0.0
+    for i in range(n - 1):
+        mass = problem.cable.mass * mesh[i, 1] * mesh[i, 0]
+        if i > 0:
+            mass += problem.cable.mass * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
+        else:
+            mass += body_mass(problem.body)
+        miss = sub(axpy(-h, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like))
+        total += mass
+        summed += mass * dot(miss, miss)
+    return (summed / total) ** 0.5

@@ -1,0 +1,166 @@
+"""Static equilibrium, starting rates and outputs of the chain on the staggered grid."""
+
+import math
+
+from cable_model.kernels import header
+from cable_model.kernels.family import Coefficients
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.problem import body_weight, total_weight
+from cable_model.kernels.staggered import assemble, lower_end_terms, tension
+from cable_model.kernels.staggered_step import Gains, Numeric, Problem, newton_step
+from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
+
+STATIC_STEPS = 400
+
+
+@kernel
+def place_nodes(anchor, problem, grading, mesh):
+    """Uniform by default between two held ends, by travel time above a lower end that hangs."""
+    below = body_weight(problem.body)
+    weight = problem.cable.weight
+    if anchor is not None:
+        fill_mesh(mesh, max(grading, 1.0), problem.cable.length, below, weight)
+    else:
+        fill_mesh(mesh, grading, problem.cable.length, below, weight)
+
+
+@kernel
+def _first_guess(anchor, problem, scale_force, mesh, y, force, top):
+    """A straight cable along gravity; between two prescribed ends a V of two straight legs of the right length."""
+    n = mesh.shape[0] + 1
+    load_below = body_weight(problem.body)
+    total = load_below + problem.cable.weight * problem.cable.length
+    sign = 1.0 if total >= 0.0 else -1.0
+    for i in range(n - 1):
+        hanging = load_below + problem.cable.weight * mesh[i, 1] * mesh[i, 0]
+        load_below += problem.cable.weight * mesh[i, 0]
+        force[i] = max(abs(hanging), 1e-3 * scale_force)
+        store(y, i, upward(sign * (1.0 + max(sign * hanging, 0.0) / problem.cable.stiffness), top))
+    _bend_guess(anchor, mesh, y, top)
+
+
+@kernel
+def _bend_guess(anchor, mesh, y, top):
+    if anchor is None:
+        return
+    n = mesh.shape[0] + 1
+    length = 0.0
+    for i in range(n - 1):
+        length += mesh[i, 0]
+    chord = sub(top, anchor)
+    rise = chord[len(top) - 1]
+    level = axpy(-1.0, upward(rise, top), chord)
+    across = norm(level)
+    if dot(chord, chord) >= length * length or across < 1e-9 * length:
+        for i in range(n - 1):
+            store(y, i, scale(1.0 / length, chord))
+        return
+    # legs a below the anchor and b below the top: horizontal runs share the chord, both at the same slope
+    drop = math.sqrt(length * length - across * across)
+    first = 0.5 * (1.0 - rise / drop) * length
+    ahead = scale(1.0 / length, level)
+    gone = 0.0
+    for i in range(n - 1):
+        # exact lengths: a cell that holds the kink is bent into its mean direction
+        down = min(max((first - gone) / mesh[i, 0], 0.0), 1.0)
+        store(y, i, axpy(1.0, upward((1.0 - 2.0 * down) * drop / length, top), ahead))
+        gone += mesh[i, 0]
+
+
+@kernel
+def with_tolerance(problem, tolerance):
+    old = problem.numeric
+    numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, tolerance)
+    return Problem(problem.cable, problem.medium, problem.body, numeric)
+
+
+@kernel
+def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, time, s):
+    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
+    n = mesh.shape[0] + 1
+    weight = total_weight(parts, p)
+    _first_guess(anchor, problem, weight, mesh, y, force, top)
+    still = zero(top)
+    for i in range(n, 2 * n):
+        store(y, i, still)
+    for i in range(2 * n):
+        store(yd, i, still)
+    period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
+    step = 0.03 * period
+    backward = Coefficients(0.0, 0.0, 1.0)
+    for _ in range(STATIC_STEPS):
+        frozen = with_tolerance(problem, max(1e-14 * problem.cable.length / step, 1e-13 * problem.numeric.tolerance))
+        status = newton_step(parts, frozen, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
+        if status < 0:
+            step *= 0.2
+            if step < 1e-9 * period:
+                return header.NO_EQUILIBRIUM
+            continue
+        moved = 0.0
+        for i in range(n - 1):
+            moved = max(moved, norm(sub(load(y1, i, top), load(y, i, top))))
+            store(y, i, load(y1, i, top))
+        if step >= 1e5 * period and moved < 1e-11:
+            return header.OK
+        step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
+    return header.NO_EQUILIBRIUM
+
+
+@kernel
+def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, acceleration, time, h, s):
+    """Rates of change at the start, as the limit of a backward-difference step much shorter than h.
+
+    The cable is in place and at rest but for its top, which already has its prescribed velocity.
+    """
+    n = mesh.shape[0] + 1
+    store(y, 2 * n - 1, velocity)
+    short = 1e-6 * h
+    backward = Coefficients(0.0, 0.0, 1.0)
+    ahead = axpy(short, acceleration, velocity)
+    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, short, top, ahead, y1, yd1, force, s)
+    if status < 0:
+        return header.NOT_FINITE
+    for i in range(2 * n):
+        store(yd, i, load(yd1, i, top))
+    return header.OK
+
+
+@kernel
+def evaluate_tensions(parts, problem, mesh, y, like, cells):
+    """Tension of every cell by the law from the state itself, into cells[:, 0]."""
+    n = mesh.shape[0] + 1
+    numeric = problem.numeric
+    for i in range(n - 1):
+        q = load(y, i, like)
+        stretch = norm(q)
+        rate = dot(sub(load(y, n + i + 1, like), load(y, n + i, like)), q) / (stretch * mesh[i, 0])
+        damping = numeric.voigt + numeric.damping * mesh[i, 0]
+        cells[i, 0] = tension(parts.slack, numeric.smoothing, problem.cable.stiffness * (stretch - 1.0) + damping * rate)
+        cells[i, 2] = stretch
+
+
+@kernel
+def top_force(parts, problem, mesh, y, acceleration, top, time, s):
+    """Force of the cable on its attachment; `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions."""
+    n = mesh.shape[0] + 1
+    gains = Gains(0.0, 0.0, 0.0, 0.0)
+    lowest = max(n - 3, 0)
+    assemble(parts, problem.cable, problem.medium, problem.body, problem.numeric, gains, mesh, y, y[n:], acceleration,
+             top, time, lowest, s.bands, s.x, s.cells)  # fmt: skip
+    return load(s.x, n - 1, top)
+
+
+@kernel
+def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, time, cells):
+    """Tension that reaches the lower end: what the body needs, or without one the first cell's less its lower share of weight."""
+    n = mesh.shape[0] + 1
+    q = load(y, 0, position)
+    t = scale(1.0 / norm(q), q)
+    if present is None:
+        return cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
+    gains = Gains(0.0, 0.0, 0.0, 0.0)
+    v = load(y, n, position)
+    a = load(acceleration, 0, position)
+    needed, _ = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
+    return dot(needed, t)
