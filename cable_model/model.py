@@ -1,0 +1,114 @@
+"""What both models have in common: numbers, state and outputs as arrays, and the calls of a co-simulation component."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+
+from cable_model.errors import SolverError, refuse
+from cable_model.kernels import header, top
+from cable_model.scene import Scene, numbers_of, parts_of
+from cable_model.signals import INPUTS, OUTPUTS
+
+_REASONS = {
+    header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
+    header.NOT_FINITE: "the solution is not finite",
+    header.NO_EQUILIBRIUM: "no static equilibrium was found",
+    header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
+}
+_REMEDIES = {
+    header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
+    header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
+    header.NO_EQUILIBRIUM: "Check weight and current; give the cable or body some weight in water",
+    header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true (chain only)",
+}
+
+
+class Model:
+    """A cable under a moving top end, stepped like a co-simulation component.
+
+    Subclasses name their kernels.  `state` is the complete state in one float64 array: copy it to save, write it back to restore;
+    a restored run is bit-identical.  `outputs` is in the order of signals.OUTPUTS, `positions()` gives the shape.
+    """
+
+    name = ""
+    kernels: ModuleType
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.parts = parts_of(scene, self.name)
+        self.numbers = numbers_of(scene)
+        self._allocate()
+
+    def _allocate(self) -> None:
+        self.state = np.zeros(self.kernels.state_size(self.parts, self.numbers))
+        self.outputs = np.zeros(len(OUTPUTS))
+        self._work = np.zeros(self.kernels.work_size(self.parts, self.numbers))
+        self._path = np.zeros((6, 3))
+        self._end = np.zeros(9)
+
+    def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
+        """Static equilibrium under the top that `inputs` (9,) places; raises SolverError where there is none."""
+        inputs = self._finite(inputs)
+        self.state[:] = 0.0
+        top.start_top(self.scene.top.motion_order, self.state, inputs)
+        self._must(self.kernels.initialize(self.parts, self.numbers, time, self.state, self._work), time)
+        self._read_outputs(time)
+
+    def step(self, time: float, step: float, inputs: np.ndarray) -> None:
+        """One communication step from `time`, with inputs (9,) held as FMI holds them: their values at the start of the step.
+
+        The top moves on by extrapolation of the order top.motion_order; what it was off by at the start is removed smoothly.
+        """
+        inputs = self._finite(inputs)
+        if not step > 0.0 or not np.isfinite(step):
+            raise refuse("communication step", float(step), "s", "> 0", "Give a positive step.")
+        order = self.scene.top.motion_order
+        top.predict(order, self.state, inputs, step, self._end)
+        top.quintic(self.state[header.TOP : header.TOP + 9], self._end, step, self._path)
+        self._follow(time, step)
+        top.remember(order, self.state, inputs, step)
+
+    def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
+        """One step with the top's motion known at both ends, (9,) each: position, velocity, acceleration."""
+        top.quintic(self._finite(start), self._finite(end), step, self._path)
+        self._follow(time, step)
+
+    def positions(self) -> np.ndarray:
+        """Positions (n, 3) of the cable from the lower end to the top, m."""
+        at = np.zeros((self._shape_points(), 3))
+        self.kernels.node_positions(self.parts, self.numbers, self.state, self._work, at)
+        return at
+
+    def _shape_points(self) -> int:
+        return self.scene.solver.nodes
+
+    def _follow(self, time: float, step: float) -> None:
+        self._must(self.kernels.advance(self.parts, self.numbers, time, step, self._path, self.state, self._work), time)
+        self._read_outputs(time)
+
+    def _read_outputs(self, time: float) -> None:
+        self.kernels.outputs(self.parts, self.numbers, self.state, self._work, self.outputs)
+        if not np.isfinite(self.outputs).all():
+            self._must(header.NOT_FINITE, time)
+
+    def _must(self, status: int, time: float) -> None:
+        if status == header.OK:
+            return
+        where = max(float(self.state[header.ERROR_TIME]), time)
+        node, size = int(self.state[header.ERROR_NODE]), float(self.state[header.ERROR_SIZE])
+        raise SolverError(
+            f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]} (node {node}, last Newton change {size:.3g} m/s). "
+            f"{_REMEDIES[status]}. Results before this time are valid."
+        )
+
+    @staticmethod
+    def _finite(inputs: np.ndarray) -> np.ndarray:
+        inputs = np.ascontiguousarray(inputs, dtype=np.float64)
+        if inputs.shape != (len(INPUTS),):
+            raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top.")
+        for name, value in zip(INPUTS, inputs, strict=True):
+            if not np.isfinite(value):
+                raise refuse(name, float(value), "", "finite", "Check what is connected to this input.")
+        return inputs

@@ -1,0 +1,152 @@
+"""What a scene may hold: one frozen data class a part, every value with its unit, rule and meaning.  SI, z up from still water."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cable_model.quantity import quantity
+
+
+@dataclass(frozen=True)
+class Cable:
+    """The cable itself."""
+
+    length: float = quantity("m", "unstretched length", above=0.0)
+    mass_per_length: float = quantity("kg/m", "mass per unstretched length", above=0.0)
+    axial_stiffness: float = quantity("N", "axial stiffness EA", above=0.0)
+    diameter: float = quantity("m", "diameter that meets the water", default=0.0, least=0.0)
+    bending_stiffness: float = quantity("N.m2", "bending stiffness EI (0 = no bending)", default=0.0, least=0.0)
+    axial_damping: float = quantity("N.s", "material axial damping: tension per strain rate (0 = none)", default=0.0, least=0.0)
+    normal_drag_coefficient: float = quantity("1", "normal drag coefficient", default=0.0, least=0.0)
+    tangential_drag_coefficient: float = quantity(
+        "1", "tangential drag coefficient (times the diameter, not the perimeter)", default=0.0, least=0.0
+    )
+    added_mass_coefficient: float = quantity("1", "normal added mass over displaced mass", default=0.0, least=0.0)
+    compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
+    inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
+
+
+@dataclass(frozen=True)
+class LowerEnd:
+    """What holds the lower end, if anything but the body does."""
+
+    anchored: bool = quantity("", "whether the lower end is held", default=False)
+    x: float = quantity("m", "position of the anchor, x", default=0.0)
+    y: float = quantity("m", "position of the anchor, y", default=0.0)
+    z: float = quantity("m", "position of the anchor, z", default=0.0)
+    release_force: float = quantity("N", "force along x that holds the lower end aside until the start", default=0.0)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body at the lower end; a point with vector drag, buoyancy and added mass."""
+
+    mass: float = quantity("kg", "mass of the body (0 = free end)", default=0.0, least=0.0)
+    volume: float = quantity("m3", "displaced volume of the body", default=0.0, least=0.0)
+    drag_area: float = quantity("m2", "drag coefficient times frontal area of the body", default=0.0, least=0.0)
+    added_mass: float = quantity("kg", "added mass of the body", default=0.0, least=0.0)
+
+
+@dataclass(frozen=True)
+class Environment:
+    gravity: float = quantity("m/s2", "acceleration of gravity", default=9.80665, least=0.0)
+
+
+@dataclass(frozen=True)
+class Water:
+    density: float = quantity("kg/m3", "density of the water (0 = none)", default=1025.0, least=0.0)
+
+
+@dataclass(frozen=True)
+class Current:
+    """A steady current: one speed at all depths, or a table of levels."""
+
+    speed: float = quantity("m/s", "speed of the current", default=0.0)
+    direction: float = quantity("rad", "direction the current flows to, from x towards y", default=0.0)
+    levels: tuple[tuple[float, float, float], ...] = quantity(
+        "m, m/s, rad", "table of [z, speed, direction]; between levels linear, beyond them held", default=()
+    )
+
+
+@dataclass(frozen=True)
+class Waves:
+    """A regular deep-water wave."""
+
+    amplitude: float = quantity("m", "amplitude of the wave (0 = none)", default=0.0, least=0.0)
+    period: float = quantity("s", "period of the wave", default=10.0, above=0.0)
+    direction: float = quantity("rad", "direction the wave runs to, from x towards y", default=0.0)
+    phase: float = quantity("rad", "phase of the wave: elevation a cos(k s - omega t + phase)", default=0.0)
+
+
+@dataclass(frozen=True)
+class Tow:
+    """What only TowCable [Wang 1971] has."""
+
+    poisson_ratio: float = quantity("1", "Poisson's ratio: thinning under stretch", default=0.0, least=0.0, most=0.5)
+    reference_tension: float = quantity("N", "tension at which length and diameter were measured", default=0.0, least=0.0)
+    drag_segments: int = quantity("1", "number of segments of the cable's drag", default=10, least=1, most=1000)
+    minimum_tension: float = quantity("N", "floor of the mean tension (TENS)", default=0.0)
+    cable_mass: bool = quantity("", "whether the cable has mass (CBMAS)", default=True)
+    body_angle: float = quantity("rad", "angle of a disk-like body to the cable; beyond pi the body is a sphere (PHIBD)", default=18.0)
+    drag_area_axial: float = quantity("m2", "drag coefficient times area of a disk-like body along its axis", default=0.0, least=0.0)
+    added_mass_vertical: float = quantity("kg", "vertical added mass of the body (-1 = as body.added_mass)", default=-1.0, least=-1.0)
+    as_printed: bool = quantity("", "whether the report's errors are kept, to compare with its figures", default=False)
+    explicit: bool = quantity("", "whether the report's explicit Kutta-Merson method is used", default=False)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One part of the top's motion along one axis; parts add up."""
+
+    kind: str = quantity("", "kind of motion", choices=("sinusoid", "ramp", "step"))
+    axis: str = quantity("", "axis of the motion", choices=("x", "y", "z"))
+    amplitude: float = quantity("m", "amplitude of a sinusoid", default=0.0)
+    angular_frequency: float = quantity("rad/s", "angular frequency of a sinusoid", default=0.0, least=0.0)
+    phase: float = quantity("rad", "phase: amplitude sin(angular_frequency t + phase)", default=0.0)
+    start: float = quantity("s", "time at which the motion begins", default=0.0, least=0.0)
+    stop: float = quantity("s", "time at which the motion ends (0 = never)", default=0.0, least=0.0)
+    ramp_time: float = quantity("s", "time over which it fades in smoothly", default=0.0, least=0.0)
+    velocity: float = quantity("m/s", "change of velocity of a ramp or step", default=0.0)
+    duration: float = quantity("s", "time in which a ramp changes the velocity", default=0.0, least=0.0)
+
+
+@dataclass(frozen=True)
+class Top:
+    """The prescribed motion of the upper end."""
+
+    position: tuple[float, float, float] = quantity("m", "position about which the top moves", default=(0.0, 0.0, 0.0))
+    motion_order: int = quantity("1", "inputs that are connected: 0 position, 1 and velocity, 2 and acceleration", default=1, least=0, most=2)
+    motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
+    table: tuple[tuple[float, float, float, float], ...] = quantity(
+        "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()
+    )
+
+
+@dataclass(frozen=True)
+class Solver:
+    grid: str = quantity("", "finite-difference grid", default="staggered", choices=("staggered", "box"))
+    nodes: int = quantity("1", "number of nodes of the chain", default=51, least=3, most=100000)
+    grading: float = quantity(
+        "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end", default=0.0, least=0.0, most=4.0,
+        remedy="Take 0 (automatic), 1 (uniform) or 2 (a free end).",
+    )  # fmt: skip
+    time_step: float = quantity("s", "longest internal step", default=0.01, above=0.0, remedy="Give a step above 0.")
+    lambda_infinity: float = quantity(
+        "1", "eigenvalue of the time integrator at infinite frequency", default=-0.9, least=-1.0, most=0.999,
+        remedy="Near -1 is most accurate on smooth motion, -0.5 damps more.",
+    )  # fmt: skip
+    integrator: str = quantity(
+        "", "member of the generalized-alpha family", default="generalized-alpha",
+        choices=("generalized-alpha", "backward-difference", "trapezoidal", "generalized-trapezoidal", "cornwell-malkus", "wbz"),
+    )  # fmt: skip
+    tolerance: float = quantity("1", "error tolerance in time (0 = fixed step)", default=0.0, least=0.0, most=1.0)
+    slack_smoothing: float = quantity("1", "width of the slack law over the weight", default=1e-3, above=0.0, most=1.0)
+    slack_damping: float = quantity("1", "axial damping of the slack law over h sqrt(EA m)", default=0.1, least=0.0, most=10.0)
+    space: bool = quantity("", "whether the cable may leave the vertical plane", default=False)
+
+
+@dataclass(frozen=True)
+class Run:
+    duration: float = quantity("s", "simulated time", default=10.0, above=0.0)
+    output_step: float = quantity("s", "time between outputs", default=0.05, above=0.0)
+    model: str = quantity("", "model that the scene is meant for", default="chain", choices=("chain", "tow"))

@@ -1,0 +1,172 @@
+"""A scene: everything a run needs, read from TOML and validated once; and the numbers and parts that kernels get from it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cable_model.errors import ParameterError, refuse, unknown
+from cable_model.kernels.family import INTEGRATORS
+from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Solver, Top, Tow, Water, Waves
+from cable_model.quantity import build, quantity
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A validated scene; a part that is None or has a zero coefficient is absent."""
+
+    cable: Cable
+    title: str = quantity("", "title", default="")
+    source: str = quantity("", "where the numbers come from", default="")
+    lower_end: LowerEnd = LowerEnd()
+    body: Body = Body()
+    environment: Environment = Environment()
+    water: Water | None = None
+    current: Current = Current()
+    waves: Waves = Waves()
+    top: Top = Top()
+    tow: Tow = Tow()
+    solver: Solver = Solver()
+    run: Run = Run()
+
+    def __post_init__(self) -> None:
+        check_consistency(self)
+
+
+def check_consistency(scene: Scene) -> None:
+    """Rules that join several values; each error says what to change."""
+    wet = scene.water is not None and scene.water.density > 0.0
+    if not wet and (scene.current.speed != 0.0 or scene.current.levels):
+        raise refuse("current.speed", scene.current.speed, "m/s", "0 without water", "Add [water] or remove [current].")
+    if not wet and scene.waves.amplitude > 0.0:
+        raise refuse("waves.amplitude", scene.waves.amplitude, "m", "0 without water", "Add [water] or remove [waves].")
+    if wet and scene.cable.diameter == 0.0:
+        raise refuse("cable.diameter", 0.0, "m", "> 0 in water", "Give the diameter, or remove [water].")
+    if scene.lower_end.anchored and scene.body.mass > 0.0:
+        raise refuse("body.mass", scene.body.mass, "kg", "0 at an anchored end", "Remove [body] or lower_end.anchored.")
+    levels = [row[0] for row in scene.current.levels]
+    if levels != sorted(set(levels)) and levels != sorted(set(levels), reverse=True):
+        raise refuse("current.levels", len(levels), "rows", "sorted by z without repeats", "Sort the table by z.")
+    if scene.cable.inextensible and scene.solver.grid != "box":
+        raise refuse("cable.inextensible", True, "", 'false on the staggered grid', 'Set solver.grid = "box", or raise axial_stiffness.')
+    if scene.solver.grid == "box" and scene.solver.space:
+        raise refuse("solver.space", True, "", "false on the box grid", 'Set solver.grid = "staggered" for motion in space.')
+    if scene.solver.integrator == "wbz" and scene.solver.lambda_infinity > 0.999:
+        raise refuse("solver.lambda_infinity", scene.solver.lambda_infinity, "", "< 1", "Take 0 or below.")
+    if not scene.solver.space:
+        tilted = [("current.direction", scene.current.direction), ("waves.direction", scene.waves.direction)]
+        tilted += [(f"current.levels[{i}]", row[2]) for i, row in enumerate(scene.current.levels)]
+        for name, angle in tilted:
+            if abs(math.sin(angle)) > 1e-9:
+                raise refuse(name, angle, "rad", "0 or pi in the plane", "Set solver.space = true, or turn the axes so that x is along it.")
+
+
+def from_dict(values: Mapping[str, Any]) -> Scene:
+    """Build a scene from nested tables such as a parsed TOML file."""
+    scene: Scene = build(Scene, dict(values))
+    return scene
+
+
+def shipped() -> dict[str, Path]:
+    """Names and files of the scenes that come with the package."""
+    folder = resources.files("cable_model") / "scenes"
+    return {Path(str(f)).stem: Path(str(f)) for f in sorted(folder.iterdir(), key=str) if str(f).endswith(".toml")}
+
+
+def load(scene: str | Path) -> Scene:
+    """Read a scene from a TOML file, or a shipped one by its name.  Raises ParameterError with one clear text."""
+    path = Path(scene)
+    if not path.is_file():
+        known = shipped()
+        if str(scene) in known:
+            path = known[str(scene)]
+        elif path.suffix == ".toml":
+            raise ParameterError(f"{scene}: no such file. Give the path of a scene, or one of: {', '.join(known)}.")
+        else:
+            raise unknown(str(scene), known, "scene")
+    try:
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{path}: not a valid TOML file ({error}). Mend the line that is named.") from error
+    if not values:
+        raise ParameterError(f"{path}: an empty scene. Give at least [cable] with length, mass_per_length and axial_stiffness.")
+    return from_dict(values)
+
+
+def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """A copy of the scene with values replaced by dotted name, such as {"cable.length": 20.0}; checked like a file."""
+    tables = dataclasses.asdict(scene)
+    for name, value in values.items():
+        part, _, field = name.partition(".")
+        if part not in tables or not field:
+            raise unknown(name, [f"{k}.{f}" for k, t in tables.items() if isinstance(t, dict) for f in t])
+        if tables[part] is None:
+            tables[part] = {}
+        tables[part][field] = value
+    return from_dict({k: v for k, v in tables.items() if v is not None})
+
+
+def _current_table(current: Current) -> np.ndarray | None:
+    rows = current.levels or (((0.0, current.speed, current.direction),) if current.speed != 0.0 else ())
+    if not any(row[1] for row in rows):
+        return None
+    table = np.array([[z, s * math.cos(d), s * math.sin(d)] for z, s, d in sorted(rows)])
+    return np.ascontiguousarray(table)
+
+
+def _wave_table(waves: Waves, gravity: float) -> np.ndarray | None:
+    if waves.amplitude == 0.0:
+        return None
+    omega = 2.0 * math.pi / waves.period
+    return np.array([[waves.amplitude, omega, omega * omega / gravity, waves.direction, waves.phase]])
+
+
+def parts_of(scene: Scene, model: str) -> Parts:
+    """Which parts the kernels of a model ("chain" or "tow") get; absent parts are None and cost nothing."""
+    wet = scene.water is not None and scene.water.density > 0.0
+
+    def when(condition: bool) -> Any:
+        return True if condition else None
+
+    chain = model == "chain"
+    box = chain and scene.solver.grid == "box"
+    return Parts(
+        box=when(box),
+        space=when(chain and scene.solver.space),
+        inextensible=when(box and scene.cable.inextensible),
+        slack=when(chain and not box and not scene.cable.compressible),
+        bending=when(chain and scene.cable.bending_stiffness > 0.0),
+        voigt=when(scene.cable.axial_damping > 0.0),
+        body=when(scene.body.mass > 0.0),
+        anchor=when(scene.lower_end.anchored),
+        water=when(wet),
+        current=_current_table(scene.current) if wet else None,
+        waves=_wave_table(scene.waves, scene.environment.gravity) if wet else None,
+        cable_mass=when(not chain and scene.tow.cable_mass),
+        tension_floor=when(not chain),
+        as_printed=when(not chain and scene.tow.as_printed),
+    )
+
+
+def numbers_of(scene: Scene) -> np.ndarray:
+    """The flat parameter vector of the kernels, in the order of PARAMETERS."""
+    return np.array([_number(scene, name) for name in PARAMETERS])
+
+
+def _number(scene: Scene, name: str) -> float:
+    part, _, field = name.partition(".")
+    if name == "solver.integrator":
+        return float(INTEGRATORS[scene.solver.integrator])
+    if name == "tow.added_mass_vertical" and scene.tow.added_mass_vertical < 0.0:
+        return scene.body.added_mass
+    holder = getattr(scene, part)
+    return 0.0 if holder is None else float(getattr(holder, field))

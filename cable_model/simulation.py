@@ -1,0 +1,85 @@
+"""Running a scene in the library: the top's motion is known exactly, results come back as a table of numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cable_model.errors import SolverError
+from cable_model.model import Model
+from cable_model.motion import TopMotion, top_motion
+from cable_model.signals import INPUTS, OUTPUTS
+
+
+@dataclass(frozen=True)
+class Result:
+    """Time series of a run: `table` (rows, 1 + 9 + outputs) with the names in `columns`; `shapes` (rows, points, 3)."""
+
+    columns: tuple[str, ...]
+    table: np.ndarray
+    shapes: np.ndarray
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.table[:, self.columns.index(name)]
+
+
+COLUMNS = ("time", *INPUTS, *OUTPUTS)
+
+
+def write_csv(path: Path, columns: tuple[str, ...], table: np.ndarray) -> None:
+    """Write a table with a header line; 12 significant digits."""
+    np.savetxt(path, table, fmt="%.12g", delimiter=",", header=",".join(columns), comments="")
+
+
+def read_csv(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
+    """Columns and numbers of a CSV file with a header line."""
+    with path.open(encoding="utf-8") as file:
+        columns = tuple(name.strip() for name in file.readline().split(","))
+        return columns, np.loadtxt(file, delimiter=",", ndmin=2)
+
+
+def simulate(
+    model: Model,
+    duration: float | None = None,
+    output_step: float | None = None,
+    motion: TopMotion | None = None,
+    progress: Callable[[float], None] | None = None,
+    keep: Callable[[np.ndarray], None] | None = None,
+) -> Result:
+    """Run a model over its scene's duration and return the series at its output step.
+
+    `motion` replaces the scene's top motion; `progress` is told the time after every step, `keep` every row as soon as it is
+    there, so that a failed run keeps what came before.  Raises SolverError, with the rows so far in its `result`.
+    """
+    scene = model.scene
+    duration = scene.run.duration if duration is None else duration
+    step = scene.run.output_step if output_step is None else output_step
+    motion = motion or top_motion(scene.top)
+    rows: list[np.ndarray] = []
+    shapes: list[np.ndarray] = []
+
+    def record(time: float, inputs: np.ndarray) -> None:
+        row = np.concatenate(([time], inputs, model.outputs))
+        rows.append(row)
+        shapes.append(model.positions())
+        if keep is not None:
+            keep(row)
+
+    start = motion(0.0, 1)
+    model.initialize(start)
+    record(0.0, start)
+    try:
+        for k in range(round(duration / step)):
+            time = k * step
+            end_time = (k + 1) * step
+            model.advance(time, step, motion(time, 1), motion(end_time, -1))
+            record(end_time, motion(end_time, 1))
+            if progress is not None:
+                progress(end_time)
+    except SolverError as error:
+        error.result = Result(COLUMNS, np.array(rows), np.array(shapes))  # type: ignore[attr-defined]
+        raise
+    return Result(COLUMNS, np.array(rows), np.array(shapes))
