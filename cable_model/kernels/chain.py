@@ -10,7 +10,7 @@ from cable_model.kernels import header, staggered_chain
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_part, cable_part, node_count, total_weight, water_part
-from cable_model.kernels.staggered_step import Numeric, Problem, cut_scratch, newton_step, rate_error, scratch_size
+from cable_model.kernels.staggered_step import Numeric, Problem, cut_scratch, keep_tensions, newton_step, rate_error, scratch_size
 from cable_model.kernels.top import evaluate
 from cable_model.kernels.vector import axpy, load, mix, norm, scale, sub
 
@@ -26,6 +26,7 @@ class View(NamedTuple):
     ydd: object
     y_old: object
     force: object
+    force_old: object
     y1: object
     yd1: object
     yd0: object
@@ -44,7 +45,7 @@ def axes(space, x, y, z):
 def state_size(parts, p):
     n = node_count(p)
     d = len(axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + 8 * n * d + (n - 1)
+    return header.HEADER + 8 * n * d + 4 * (n - 1)
 
 
 @kernel
@@ -68,6 +69,7 @@ def cut(parts, p, state, work):
         state[o + 2 * m : o + 3 * m].reshape((2 * n, d)),
         state[o + 3 * m : o + 4 * m].reshape((2 * n, d)),
         state[o + 4 * m : o + 4 * m + n - 1],
+        state[o + 4 * m + n - 1 : o + 4 * m + 2 * (n - 1)],
         work[0:m].reshape((2 * n, d)),
         work[m : 2 * m].reshape((2 * n, d)),
         work[2 * m : 3 * m].reshape((2 * n, d)),
@@ -133,6 +135,8 @@ def initialize(parts, p, time, state, work):
     if status != header.OK:
         return status
     n = view.mesh.shape[0] + 1
+    for i in range(n - 1):
+        view.force_old[i] = view.force[i]
     for k in range(len(top)):
         view.y[n - 1, k] = top[k]
     for i in range(view.y.shape[0]):
@@ -189,6 +193,9 @@ def _accept(view, h):
             view.y_old[i, k] = view.y[i, k]
             view.y[i, k] = view.y1[i, k]
             view.yd[i, k] = view.yd1[i, k]
+    for i in range(view.force.shape[0]):
+        view.force_old[i] = view.force[i]
+    keep_tensions(view.force, view.scratch)
 
 
 @kernel
@@ -292,7 +299,7 @@ def outputs(parts, p, state, work, out):
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
-    staggered_chain.evaluate_tensions(parts, problem, mesh, view.y, top, view.scratch.cells)
+    staggered_chain.tensions_now(parts.slack, view.force, view.force_old, c.alpha_k, view.scratch.cells)
     largest = 0.0
     smallest = 1e300
     slack = 0.0

@@ -119,7 +119,7 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
 
     The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
     Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
-    gains: derivatives of q h, v, a and r by the unknown velocities.  cells (>=n-1, 2D+3), a row each: tension (read), then
+    gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.  cells (>=n-1, 2D+3), a row each: tension (read), then
     written: its pending change at fixed velocities, the stretch, the tangent, and the derivative of the tension by v_up - v_low.
     """
     n = v.shape[0]
@@ -148,7 +148,7 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
         slope, misfit = constitutive(parts.slack, numeric.smoothing, cable.stiffness * (stretch - 1.0) + damping * rate, force)
         along = scale(slope * (gains.q * cable.stiffness + gains.v * damping) / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t, dv), along)
-        pending = slope * misfit
+        pending = gains.law * slope * misfit
         pull = scale(force + pending, t)
         tt = outer(t, t)
         firm = force * inv * gains.q / h

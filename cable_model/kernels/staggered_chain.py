@@ -6,9 +6,9 @@ from cable_model.kernels import header
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
-from cable_model.kernels.problem import body_weight, total_weight
+from cable_model.kernels.problem import Cable, body_weight, total_weight
 from cable_model.kernels.staggered import assemble, lower_end_terms, tension
-from cable_model.kernels.staggered_step import Gains, Numeric, Problem, newton_step
+from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
 
 STATIC_STEPS = 400
@@ -27,17 +27,33 @@ def place_nodes(anchor, problem, grading, mesh):
 
 @kernel
 def _first_guess(anchor, problem, scale_force, mesh, y, force, top):
-    """A straight cable along gravity; between two prescribed ends a V of two straight legs of the right length."""
+    """The catenary under weight and pull alone, cell by cell; between two held ends a V of two straight legs."""
     n = mesh.shape[0] + 1
+    pull = problem.numeric.pull
     load_below = body_weight(problem.body)
     total = load_below + problem.cable.weight * problem.cable.length
     sign = 1.0 if total >= 0.0 else -1.0
     for i in range(n - 1):
         hanging = load_below + problem.cable.weight * mesh[i, 1] * mesh[i, 0]
         load_below += problem.cable.weight * mesh[i, 0]
-        force[i] = max(abs(hanging), 1e-3 * scale_force)
-        store(y, i, upward(sign * (1.0 + max(sign * hanging, 0.0) / problem.cable.stiffness), top))
+        if sign * hanging < 0.0:
+            hanging = 0.0
+        size = math.sqrt(hanging * hanging + pull * pull)
+        force[i] = max(size, 1e-3 * scale_force)
+        stretch = 1.0 + size / problem.cable.stiffness
+        if size > 0.0:
+            store(y, i, along_x(-pull * stretch / size, upward(hanging * stretch / size, top)))
+        else:
+            store(y, i, upward(sign, top))
     _bend_guess(anchor, mesh, y, top)
+
+
+@kernel
+def along_x(size, a):
+    """The vector a with its first component set."""
+    if len(a) == 2:
+        return (size, a[1])
+    return (size, a[1], a[2])
 
 
 @kernel
@@ -69,15 +85,21 @@ def _bend_guess(anchor, mesh, y, top):
 
 
 @kernel
-def with_tolerance(problem, tolerance):
+def _softened(problem, stiffness, tolerance):
+    """The same problem with another axial stiffness and Newton tolerance."""
     old = problem.numeric
+    c = problem.cable
     numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, tolerance)
-    return Problem(problem.cable, problem.medium, problem.body, numeric)
+    cable = Cable(c.length, c.diameter, c.mass, stiffness, c.gravity, c.weight)
+    return Problem(cable, problem.medium, problem.body, numeric)
 
 
 @kernel
 def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, time, s):
-    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
+    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps.
+
+    A stiff cable with bending is found through softer ones: from 1e4 times the weight up, by factors of 10.
+    """
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
     _first_guess(anchor, problem, weight, mesh, y, force, top)
@@ -87,22 +109,24 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     for i in range(2 * n):
         store(yd, i, still)
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
+    stiffness = min(problem.cable.stiffness, 1e4 * weight)
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
-        frozen = with_tolerance(problem, max(1e-14 * problem.cable.length / step, 1e-13 * problem.numeric.tolerance))
-        status = newton_step(parts, frozen, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
+        soft = _softened(problem, stiffness, 1e-10 * problem.cable.length / step)
+        status = newton_step(parts, soft, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
         if status < 0:
             step *= 0.2
             if step < 1e-9 * period:
                 return header.NO_EQUILIBRIUM
             continue
-        moved = 0.0
+        keep_tensions(force, s)
         for i in range(n - 1):
-            moved = max(moved, norm(sub(load(y1, i, top), load(y, i, top))))
             store(y, i, load(y1, i, top))
-        if step >= 1e5 * period and moved < 1e-11:
-            return header.OK
+        if step >= 1e5 * period and status <= 2:
+            if stiffness == problem.cable.stiffness:
+                return header.OK
+            stiffness = min(10.0 * stiffness, problem.cable.stiffness)
         step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
 
@@ -121,30 +145,29 @@ def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, a
     status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, short, top, ahead, y1, yd1, force, s)
     if status < 0:
         return header.NOT_FINITE
+    keep_tensions(force, s)
     for i in range(2 * n):
         store(yd, i, load(yd1, i, top))
     return header.OK
 
 
 @kernel
-def evaluate_tensions(parts, problem, mesh, y, like, cells):
-    """Tension of every cell by the law from the state itself, into cells[:, 0]."""
-    n = mesh.shape[0] + 1
-    numeric = problem.numeric
-    for i in range(n - 1):
-        q = load(y, i, like)
-        stretch = norm(q)
-        rate = dot(sub(load(y, n + i + 1, like), load(y, n + i, like)), q) / (stretch * mesh[i, 0])
-        damping = numeric.voigt + numeric.damping * mesh[i, 0]
-        cells[i, 0] = tension(parts.slack, numeric.smoothing, problem.cable.stiffness * (stretch - 1.0) + damping * rate)
-        cells[i, 2] = stretch
+def tensions_now(slack, force, force_old, ahead, cells):
+    """Tensions at the new time into cells[:, 0], from those at the averaged times of the last two steps.
+
+    They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
+    """
+    for i in range(force.shape[0]):
+        cells[i, 0] = force[i] + ahead * (force[i] - force_old[i])
+        if slack is not None:
+            cells[i, 0] = max(cells[i, 0], 0.0)
 
 
 @kernel
 def top_force(parts, problem, mesh, y, acceleration, top, time, s):
     """Force of the cable on its attachment; `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions."""
     n = mesh.shape[0] + 1
-    gains = Gains(0.0, 0.0, 0.0, 0.0)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0)
     lowest = max(n - 3, 0)
     assemble(parts, problem.cable, problem.medium, problem.body, problem.numeric, gains, mesh, y, y[n:], acceleration,
              top, time, lowest, s.bands, s.x, s.cells)  # fmt: skip
@@ -159,7 +182,7 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     t = scale(1.0 / norm(q), q)
     if present is None:
         return cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
-    gains = Gains(0.0, 0.0, 0.0, 0.0)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
     needed, _ = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)

@@ -44,6 +44,7 @@ class Gains(NamedTuple):
     v: float
     a: float
     r: float
+    law: float  # 1: the tension is drawn to its law; 0: it is taken as it is
 
 
 class Scratch(NamedTuple):
@@ -82,7 +83,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
 
     `yd0` is already corrected for a changed step; `y_old`, the state h_old before y0, predicts (h_old = 0: none).  `time` and
     `top` are those at the averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `force` (n-1),
-    the tensions of the cells, is updated on success only.
+    the tensions of the cells, is the first guess; the new ones are left in s.cells[:, 0].
     """
     n = mesh.shape[0] + 1
     like = top
@@ -92,7 +93,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     to_position = h * c.gamma * rate_new * (1.0 - c.alpha_k)
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
-    gains = Gains(to_position * (1.0 - c.alpha_k), 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, to_position * (1.0 - c.alpha_k))
+    gains = Gains(to_position * (1.0 - c.alpha_k), 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, to_position * (1.0 - c.alpha_k), 1.0)
     reach = h / h_old if h_old > 0.0 else 0.0
     for i in range(n - 1):
         store(y1, n + i, mix(1.0 + reach, load(y0, n + i, like), -reach, load(y_old, n + i, like)))
@@ -120,8 +121,6 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
         if min(change, 100.0 * expected) <= numeric.tolerance and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
-            for i in range(n - 1):
-                force[i] = s.cells[i, 0]
             return iteration
         previous = change
     return NOT_CONVERGED
@@ -184,6 +183,13 @@ def _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, lik
         rate = mix(rate_new, drift, -rate_old, load(yd0, i, like))
         store(yd1, i, rate)
         store(y1, i, axpy(h, mix(1.0 - c.gamma, load(yd0, i, like), c.gamma, rate), load(y0, i, like)))
+
+
+@kernel
+def keep_tensions(force, s):
+    """Take over the tensions that the last Newton iteration found."""
+    for i in range(force.shape[0]):
+        force[i] = s.cells[i, 0]
 
 
 @kernel
