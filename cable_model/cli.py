@@ -1,0 +1,213 @@
+"""The command line: run, plot, describe, compare, check."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from cable_model.comparison import Difference, compare
+from cable_model.effects import effects, unknowns_per_node
+from cable_model.errors import ParameterError, SolverError
+from cable_model.model import Model
+from cable_model.models import MODELS
+from cable_model.motion import top_motion
+from cable_model.scene import Scene, load, shipped
+from cable_model.simulation import COLUMNS, Result, read_csv, simulate, write_csv
+
+app = typer.Typer(add_completion=False, no_args_is_help=True, help="Underwater and hanging cables under a moving top end.")
+console = Console()
+SceneArgument = Annotated[str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(shipped()))]
+
+
+class Choice(StrEnum):
+    chain = "chain"
+    tow = "tow"
+    both = "both"
+
+
+def run_with_progress(model: Model, csv: Path | None = None) -> Result:
+    """Run a model's scene with a progress bar; rows go to `csv` as they come, so that a failed run keeps them."""
+    scene = model.scene
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(f"{type(model).__name__}: {scene.title}", total=scene.run.duration)
+        if csv is None:
+            return simulate(model, progress=lambda t: bar.update(task, completed=t))
+        csv.parent.mkdir(parents=True, exist_ok=True)
+        with csv.open("w", encoding="utf-8") as file:
+            file.write(",".join(COLUMNS) + "\n")
+
+            def keep(row: np.ndarray) -> None:
+                file.write(",".join(f"{x:.12g}" for x in row) + "\n")
+
+            return simulate(model, progress=lambda t: bar.update(task, completed=t), keep=keep)
+
+
+def _models(choice: Choice | None, scene: Scene) -> list[str]:
+    if choice is Choice.both:
+        return list(MODELS)
+    return [choice.value if choice is not None else scene.run.model]
+
+
+def summary(results: dict[str, Result]) -> Table:
+    """What a person asks first: tensions, where the lower end went, and what it cost."""
+    table = Table(title="Results")
+    table.add_column("")
+    rows = [
+        ("top tension, mean [N]", lambda r: f"{r['top.tension'].mean():.5g}"),
+        ("top tension, smallest .. largest [N]", lambda r: f"{r['top.tension'].min():.5g} .. {r['top.tension'].max():.5g}"),
+        ("lower end x [m]", lambda r: f"{r['body.x'].min():.5g} .. {r['body.x'].max():.5g}"),
+        ("lower end z [m]", lambda r: f"{r['body.z'].min():.5g} .. {r['body.z'].max():.5g}"),
+        ("largest slack share of the length", lambda r: f"{r['cable.slack_fraction'].max():.3g}"),
+        ("internal steps / Newton iterations / rejected", lambda r: " / ".join(f"{r[c][-1]:.0f}" for c in _COUNTERS)),
+    ]
+    for label in results:
+        table.add_column(label, justify="right")
+    for name, value in rows:
+        table.add_row(name, *(value(r) for r in results.values()))
+    return table
+
+
+_COUNTERS = ("solver.steps", "solver.newton_iterations", "solver.rejected_steps")
+
+
+@app.command()
+def run(
+    scene: SceneArgument,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="CSV file (with --model both: the model's name is added)")] = None,
+    model: Annotated[Choice | None, typer.Option(help="chain, tow or both; default: what the scene is meant for")] = None,
+) -> None:
+    """Simulate a scene, write its time series as CSV and print a short result table."""
+    loaded = load(scene)
+    results = {}
+    for name in _models(model, loaded):
+        target = output or Path("results") / f"{Path(scene).stem}.csv"
+        if model is Choice.both or (output is None and name != loaded.run.model):
+            target = target.with_stem(f"{target.stem}_{name}")
+        results[name] = run_with_progress(MODELS[name](loaded), target)
+        console.print(f"wrote {target}")
+    console.print(summary(results))
+
+
+@app.command()
+def plot(
+    scene: SceneArgument,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="picture file")] = None,
+    model: Annotated[Choice, typer.Option(help="chain, tow or both, drawn over each other")] = Choice.both,
+) -> None:
+    """Simulate a scene and draw tension, motion, path and shapes."""
+    from cable_model.plots import picture
+
+    loaded = load(scene)
+    results = {name: run_with_progress(MODELS[name](loaded)) for name in _models(model, loaded)}
+    target = output or Path("results") / f"{Path(scene).stem}.png"
+    picture({type_name(name): r for name, r in results.items()}, loaded.title, target)
+    console.print(f"wrote {target}")
+
+
+def type_name(model: str) -> str:
+    return MODELS[model].__name__
+
+
+@app.command()
+def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="chain, tow or both")] = Choice.both) -> None:
+    """List which effects a scene switches on and why, and what is solved for."""
+    loaded = load(scene)
+    console.print(f"[bold]{loaded.title}[/bold]\n{loaded.source.strip()}\n")
+    for name in _models(model, loaded):
+        table = Table(title=type_name(name))
+        for column in ("effect", "active", "because"):
+            table.add_column(column)
+        for effect in effects(loaded, name):
+            table.add_row(effect.name, "yes" if effect.active else "-", effect.why, style="" if effect.active else "dim")
+        console.print(table)
+        if name == "chain":
+            each = unknowns_per_node(loaded, name)
+            console.print(f"{loaded.solver.nodes} nodes, {each} unknowns a node: {each * loaded.solver.nodes} unknowns\n")
+        else:
+            console.print("2 degrees of freedom: the angle and the stretch of one straight cable\n")
+
+
+def _print_differences(found: list[Difference]) -> None:
+    table = Table(title="Comparison with the reference")
+    for column in ("signal", "largest difference", "of its range", "at [s]", "allowed", ""):
+        table.add_column(column, justify="left" if column in ("signal", "") else "right")
+    for d in found:
+        verdict = "[green]ok[/green]" if d.passed else "[bold red]DIFFERS[/bold red]"
+        table.add_row(d.signal, f"{d.largest:.3g}", f"{d.share_of_range:.2e}", f"{d.time:.4g}", f"{d.allowed:.3g}", verdict)
+    console.print(table)
+    failed = [d.signal for d in found if not d.passed]
+    if failed:
+        console.print(f"{len(failed)} of {len(found)} signals differ: {', '.join(failed)}")
+        raise typer.Exit(1)
+    console.print(f"all {len(found)} signals agree")
+
+
+RelativeTolerance = Annotated[float, typer.Option(help="allowed difference as a share of the signal's range")]
+AbsoluteTolerance = Annotated[float, typer.Option(help="allowed difference in the signal's unit, added")]
+
+
+@app.command("compare")
+def compare_files(
+    a: Annotated[Path, typer.Argument(help="CSV of a run")],
+    b: Annotated[Path, typer.Argument(help="CSV of the reference")],
+    rtol: RelativeTolerance = 1e-6,
+    atol: AbsoluteTolerance = 1e-9,
+) -> None:
+    """Compare two CSV files signal by signal; exit status 1 when they differ."""
+    for path in (a, b):
+        if not path.is_file():
+            raise ParameterError(f"{path}: no such file. Write it with `python -m cable_model run`.")
+    columns, table = read_csv(a)
+    reference_columns, reference = read_csv(b)
+    _print_differences(compare(columns, table, reference_columns, reference, rtol, atol))
+
+
+@app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(help="a built FMU")],
+    reference: Annotated[Path, typer.Option(help="CSV to compare with, or to write with --write")],
+    scene: Annotated[str | None, typer.Option(help="take the top's motion from this scene instead of the reference's input columns")] = None,
+    write: Annotated[bool, typer.Option("--write", help="write the FMU's results as the new reference")] = False,
+    rtol: RelativeTolerance = 1e-6,
+    atol: AbsoluteTolerance = 1e-9,
+) -> None:
+    """Simulate an FMU through fmpy and compare it with a reference; exit status 1 when they differ."""
+    from cable_model.fmu_check import sampled_motion, simulate_fmu
+    from cable_model.signals import INPUTS
+
+    if not fmu.is_file():
+        raise ParameterError(f"{fmu}: no such file. Build it with `python build_fmu.py`.")
+    if scene is not None:
+        loaded = load(scene)
+        times, inputs = sampled_motion(top_motion(loaded.top), loaded.run.duration, loaded.run.output_step)
+    elif reference.is_file():
+        columns, table = read_csv(reference)
+        times = table[:, columns.index("time")]
+        inputs = table[:, [columns.index(name) for name in INPUTS]]
+    else:
+        raise ParameterError(f"{reference}: no such file. Give --scene to simulate, and --write to make this reference.")
+    result_columns, result = simulate_fmu(fmu, times, inputs)
+    if write:
+        reference.parent.mkdir(parents=True, exist_ok=True)
+        write_csv(reference, result_columns, result)
+        console.print(f"wrote {reference}")
+        return
+    if not reference.is_file():
+        raise ParameterError(f"{reference}: no such file. Make it with --write.")
+    _print_differences(compare(result_columns, result, *read_csv(reference), rtol, atol))
+
+
+def main() -> None:
+    """Run the command line; the package's own errors end it with one clear line and exit status 2."""
+    try:
+        app()
+    except (ParameterError, SolverError) as error:
+        console.print(f"[bold red]error:[/bold red] {error}", highlight=False, markup=True, soft_wrap=True)
+        raise SystemExit(2) from error

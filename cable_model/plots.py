@@ -1,0 +1,59 @@
+"""Pictures of runs: tension and body motion over time, the body's path, and the shape of the cable at several moments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+from cable_model.simulation import Result
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt  # noqa: E402 - the backend must be chosen first
+
+COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
+STYLES = ("-", "--", "-.", ":")
+
+
+def picture(results: dict[str, Result], title: str, path: Path) -> None:
+    """Draw one or more runs of a scene over each other and save the picture."""
+    figure, axes = plt.subplot_mosaic([["tension", "tension", "shape"], ["body", "body", "shape"], ["body2", "body2", "path"]], figsize=(13, 9))
+    try:
+        for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
+            line = {"color": colour, "linestyle": style, "linewidth": 1.4, "label": label}
+            axes["tension"].plot(run["time"], run["top.tension"], **line)
+            axes["body"].plot(run["time"], run["body.x"], **line)
+            axes["body2"].plot(run["time"], run["body.z"], **line)
+            axes["path"].plot(run["body.x"], run["body.z"], **line)
+        _shapes(axes["shape"], results)
+        _label(axes)
+        figure.suptitle(title)
+        figure.tight_layout()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=110)
+    finally:
+        plt.close(figure)
+
+
+def _shapes(axis: plt.Axes, results: dict[str, Result]) -> None:
+    """Six snapshots of the last quarter of every run, darker as time goes on."""
+    for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
+        count = len(run.shapes)
+        moments = np.unique(np.linspace(0.75 * (count - 1), count - 1, 6).astype(int))
+        for shade, k in zip(np.linspace(0.3, 1.0, len(moments)), moments, strict=True):
+            shape = run.shapes[k]
+            name = label if k == moments[-1] else None
+            axis.plot(shape[:, 0], shape[:, 2], color=colour, linestyle=style, alpha=shade, linewidth=1.2, label=name)
+            axis.plot(shape[0, 0], shape[0, 2], "o", color=colour, alpha=shade, markersize=3)
+
+
+def _label(axes: dict[str, plt.Axes]) -> None:
+    for key, ylabel in (("tension", "top tension [N]"), ("body", "lower end x [m]"), ("body2", "lower end z [m]")):
+        axes[key].set(xlabel="time [s]", ylabel=ylabel)
+    axes["path"].set(xlabel="x [m]", ylabel="z [m]", title="path of the lower end")
+    axes["shape"].set(xlabel="x [m]", ylabel="z [m]", title="shape, last quarter")
+    for axis in axes.values():
+        axis.grid(alpha=0.3)
+    axes["tension"].legend(loc="upper right")
+    axes["shape"].legend(loc="best")
