@@ -17,7 +17,7 @@ _HOMES = {
     "Result": "simulation",
     "simulate": "simulation",
 }
-__all__ = list(_HOMES)  # noqa: PLE0605
+__all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:

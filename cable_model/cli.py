@@ -60,10 +60,10 @@ def summary(results: dict[str, Result]) -> Table:
     table = Table(title="Results")
     table.add_column("")
     rows = [
-        ("top tension, mean [N]", lambda r: f"{r['top.tension'].mean():.5g}"),
-        ("top tension, smallest .. largest [N]", lambda r: f"{r['top.tension'].min():.5g} .. {r['top.tension'].max():.5g}"),
-        ("lower end x [m]", lambda r: f"{r['body.x'].min():.5g} .. {r['body.x'].max():.5g}"),
-        ("lower end z [m]", lambda r: f"{r['body.z'].min():.5g} .. {r['body.z'].max():.5g}"),
+        ("top tension, mean (N)", lambda r: f"{r['top.tension'].mean():.5g}"),
+        ("top tension, smallest .. largest (N)", lambda r: f"{r['top.tension'].min():.5g} .. {r['top.tension'].max():.5g}"),
+        ("lower end x (m)", lambda r: f"{r['body.x'].min():.5g} .. {r['body.x'].max():.5g}"),
+        ("lower end z (m)", lambda r: f"{r['body.z'].min():.5g} .. {r['body.z'].max():.5g}"),
         ("largest slack share of the length", lambda r: f"{r['cable.slack_fraction'].max():.3g}"),
         ("internal steps / Newton iterations / rejected", lambda r: " / ".join(f"{r[c][-1]:.0f}" for c in _COUNTERS)),
     ]
@@ -136,7 +136,7 @@ def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="c
 
 def _print_differences(found: list[Difference]) -> None:
     table = Table(title="Comparison with the reference")
-    for column in ("signal", "largest difference", "of its range", "at [s]", "allowed", ""):
+    for column in ("signal", "largest difference", "of its range", "at (s)", "allowed", ""):
         table.add_column(column, justify="left" if column in ("signal", "") else "right")
     for d in found:
         verdict = "[green]ok[/green]" if d.passed else "[bold red]DIFFERS[/bold red]"
@@ -173,7 +173,7 @@ def compare_files(
 def check(
     fmu: Annotated[Path, typer.Argument(help="a built FMU")],
     reference: Annotated[Path, typer.Option(help="CSV to compare with, or to write with --write")],
-    scene: Annotated[str | None, typer.Option(help="take the top's motion from this scene instead of the reference's input columns")] = None,
+    scene: Annotated[str | None, typer.Option(help="take the top's motion from this scene, not from the reference's inputs")] = None,
     write: Annotated[bool, typer.Option("--write", help="write the FMU's results as the new reference")] = False,
     rtol: RelativeTolerance = 1e-6,
     atol: AbsoluteTolerance = 1e-9,

@@ -37,7 +37,8 @@ def compare(
     t, t_ref = table[:, columns.index("time")], reference[:, reference_columns.index("time")]
     slack = 1e-9 * max(1.0, abs(t_ref[-1]))
     if t[0] > t_ref[0] + slack or t[-1] < t_ref[-1] - slack:
-        raise ParameterError(f"times {t[0]:g} to {t[-1]:g} s do not cover the reference's {t_ref[0]:g} to {t_ref[-1]:g} s. Simulate longer.")
+        spans = f"times {t[0]:g} to {t[-1]:g} s do not cover the reference's {t_ref[0]:g} to {t_ref[-1]:g} s"
+        raise ParameterError(f"{spans}. Simulate longer.")
     shared = [c for c in reference_columns if c in columns and c != "time" and not c.startswith("solver.")]
     if not shared:
         raise ParameterError("the two tables share no signal. Check the column names.")

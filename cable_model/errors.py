@@ -24,4 +24,5 @@ def unknown(name: str, known: Iterable[str], what: str = "key") -> ParameterErro
     """The error for a name that nobody knows, with the nearest known one."""
     choices = sorted(known)
     near = difflib.get_close_matches(name, choices, n=1, cutoff=0.0)
-    return ParameterError(f"{name}: unknown {what}. Did you mean {near[0]!r}? Known: {', '.join(choices)}." if near else f"{name}: unknown {what}.")
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    return ParameterError(f"{name}: unknown {what}.{hint} Known: {', '.join(choices)}.")

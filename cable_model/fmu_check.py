@@ -16,7 +16,8 @@ def simulate_fmu(
     """Simulate an FMU at equal communication steps `times` (n,) with `inputs` (n, 9); returns columns and table as a library run has."""
     import fmpy
 
-    signals = np.array([(t, *row) for t, row in zip(times, inputs, strict=True)], dtype=[("time", float), *((name, float) for name in INPUTS)])
+    layout = [("time", float), *((name, float) for name in INPUTS)]
+    signals = np.array([(t, *row) for t, row in zip(times, inputs, strict=True)], dtype=layout)
     outputs = [*OUTPUTS, "solver.cpu_time"]
     result = fmpy.simulate_fmu(
         str(fmu),

@@ -115,7 +115,7 @@ class Top:
     """The prescribed motion of the upper end."""
 
     position: tuple[float, float, float] = quantity("m", "position about which the top moves", default=(0.0, 0.0, 0.0))
-    motion_order: int = quantity("1", "inputs that are connected: 0 position, 1 and velocity, 2 and acceleration", default=1, least=0, most=2)
+    motion_order: int = quantity("1", "connected inputs: 0 position, 1 and velocity, 2 and acceleration", default=1, least=0, most=2)
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from cable_model.simulation import Result
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402 - the backend must be chosen first
 
 COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
 STYLES = ("-", "--", "-.", ":")
@@ -18,26 +17,25 @@ STYLES = ("-", "--", "-.", ":")
 
 def picture(results: dict[str, Result], title: str, path: Path) -> None:
     """Draw one or more runs of a scene over each other and save the picture."""
-    figure, axes = plt.subplot_mosaic([["tension", "tension", "shape"], ["body", "body", "shape"], ["body2", "body2", "path"]], figsize=(13, 9))
-    try:
-        for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
-            line = {"color": colour, "linestyle": style, "linewidth": 1.4, "label": label}
-            axes["tension"].plot(run["time"], run["top.tension"], **line)
-            axes["body"].plot(run["time"], run["body.x"], **line)
-            axes["body2"].plot(run["time"], run["body.z"], **line)
-            axes["path"].plot(run["body.x"], run["body.z"], **line)
-        _shapes(axes["shape"], results)
-        _label(axes)
-        figure.suptitle(title)
-        figure.tight_layout()
-        path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=110)
-    finally:
-        plt.close(figure)
+    figure = Figure(figsize=(13, 9))
+    FigureCanvasAgg(figure)
+    axes = figure.subplot_mosaic([["tension", "tension", "shape"], ["body", "body", "shape"], ["body2", "body2", "path"]])
+    for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
+        line = {"color": colour, "linestyle": style, "linewidth": 1.4, "label": label}
+        axes["tension"].plot(run["time"], run["top.tension"], **line)
+        axes["body"].plot(run["time"], run["body.x"], **line)
+        axes["body2"].plot(run["time"], run["body.z"], **line)
+        axes["path"].plot(run["body.x"], run["body.z"], **line)
+    _shapes(axes["shape"], results)
+    _label(axes)
+    figure.suptitle(title)
+    figure.tight_layout()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=110)
 
 
-def _shapes(axis: plt.Axes, results: dict[str, Result]) -> None:
-    """Six snapshots of the last quarter of every run, darker as time goes on."""
+def _shapes(axis: Axes, results: dict[str, Result]) -> None:
+    """Six snapshots of the last quarter of every run, darker as time goes on; of an FMU's run only the line from top to lower end."""
     for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
         count = len(run.shapes)
         moments = np.unique(np.linspace(0.75 * (count - 1), count - 1, 6).astype(int))
@@ -48,7 +46,7 @@ def _shapes(axis: plt.Axes, results: dict[str, Result]) -> None:
             axis.plot(shape[0, 0], shape[0, 2], "o", color=colour, alpha=shade, markersize=3)
 
 
-def _label(axes: dict[str, plt.Axes]) -> None:
+def _label(axes: dict[str, Axes]) -> None:
     for key, ylabel in (("tension", "top tension [N]"), ("body", "lower end x [m]"), ("body2", "lower end z [m]")):
         axes[key].set(xlabel="time [s]", ylabel=ylabel)
     axes["path"].set(xlabel="x [m]", ylabel="z [m]", title="path of the lower end")

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -27,16 +27,16 @@ class Scene:
     cable: Cable
     title: str = quantity("", "title", default="")
     source: str = quantity("", "where the numbers come from", default="")
-    lower_end: LowerEnd = LowerEnd()
-    body: Body = Body()
-    environment: Environment = Environment()
+    lower_end: LowerEnd = field(default_factory=LowerEnd)
+    body: Body = field(default_factory=Body)
+    environment: Environment = field(default_factory=Environment)
     water: Water | None = None
-    current: Current = Current()
-    waves: Waves = Waves()
-    top: Top = Top()
-    tow: Tow = Tow()
-    solver: Solver = Solver()
-    run: Run = Run()
+    current: Current = field(default_factory=Current)
+    waves: Waves = field(default_factory=Waves)
+    top: Top = field(default_factory=Top)
+    tow: Tow = field(default_factory=Tow)
+    solver: Solver = field(default_factory=Solver)
+    run: Run = field(default_factory=Run)
 
     def __post_init__(self) -> None:
         check_consistency(self)
@@ -106,12 +106,12 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """A copy of the scene with values replaced by dotted name, such as {"cable.length": 20.0}; checked like a file."""
     tables = dataclasses.asdict(scene)
     for name, value in values.items():
-        part, _, field = name.partition(".")
-        if part not in tables or not field:
+        part, _, key = name.partition(".")
+        if part not in tables or not key:
             raise unknown(name, [f"{k}.{f}" for k, t in tables.items() if isinstance(t, dict) for f in t])
         if tables[part] is None:
             tables[part] = {}
-        tables[part][field] = value
+        tables[part][key] = value
     return from_dict({k: v for k, v in tables.items() if v is not None})
 
 
@@ -163,10 +163,10 @@ def numbers_of(scene: Scene) -> np.ndarray:
 
 
 def _number(scene: Scene, name: str) -> float:
-    part, _, field = name.partition(".")
+    part, _, key = name.partition(".")
     if name == "solver.integrator":
         return float(INTEGRATORS[scene.solver.integrator])
     if name == "tow.added_mass_vertical" and scene.tow.added_mass_vertical < 0.0:
         return scene.body.added_mass
     holder = getattr(scene, part)
-    return 0.0 if holder is None else float(getattr(holder, field))
+    return 0.0 if holder is None else float(getattr(holder, key))

@@ -68,7 +68,7 @@ def _back_outer(far, bands, i, n, value, x, like):
 
 @kernel
 def solve(far, bands, x, n, like):
-    """Solve in place: `bands` (5, >=n, D*D) as rows' bands -2..2, overwritten; `x` (>=n, D) holds the right-hand side, then the solution."""
+    """Solve in place: `bands` (5, n, D*D) holds the rows' bands -2..2 and is overwritten; `x` (n, D) the right side, then the solution."""
     for i in range(n):
         lower = load_matrix(bands, 1, i, like)
         diagonal = load_matrix(bands, 2, i, like)

@@ -104,7 +104,9 @@ def _element_water(water, parts, medium, cable, h, split, t, stretch, position, 
     up_q = add_matrix(up_q, scale_matrix(h * (split - 1.0), by_q))
     # through the velocity (mean of both nodes) and through the place of the cell in the flow
     by_motion = add_matrix(scale_matrix(gains.v, by_v), scale_matrix(-gains.r, multiply(by_v, flow_gradient)))
-    return low_r, up_r, low_q, up_q, scale_matrix(-0.5 * h * split, by_motion), scale_matrix(0.5 * h * (split - 1.0), by_motion), inertia
+    low_v = scale_matrix(-0.5 * h * split, by_motion)
+    up_v = scale_matrix(0.5 * h * (split - 1.0), by_motion)
+    return low_r, up_r, low_q, up_q, low_v, up_v, inertia
 
 
 @kernel
@@ -114,7 +116,7 @@ def _turned(normal, x, t):
 
 
 @kernel
-def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, time, lowest, bands, x, cells):
+def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, cells):
     """Residual (with minus sign, into x) and Jacobian (into bands) of all rows at given q (n-1, D), v and a (n, D).
 
     The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
@@ -122,6 +124,7 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.  cells (>=n-1, 2D+3), a row each: tension (read), then
     written: its pending change at fixed velocities, the stretch, the tangent, and the derivative of the tension by v_up - v_low.
     """
+    cable, medium, body, numeric = problem
     n = v.shape[0]
     position = top
     like = top
@@ -168,7 +171,8 @@ def assemble(parts, cable, medium, body, numeric, gains, mesh, q, v, a, top, tim
         kq_low = add_matrix(scale_matrix(-1.0, k), scale_matrix(gains.q / h, low_q))
         kq_up = add_matrix(k, scale_matrix(gains.q / h, up_q))
         store_matrix(bands, 1, i + 1, add_matrix(near, add_matrix(scale_matrix(-1.0, kq_up), up_v)))
-        store_matrix(bands, 2, i + 1, add_matrix(carry_d, add_matrix(scale_matrix(1.0 - split - SHARE, m), add_matrix(kq_up, up_v))))
+        own = add_matrix(scale_matrix(1.0 - split - SHARE, m), add_matrix(kq_up, up_v))
+        store_matrix(bands, 2, i + 1, add_matrix(carry_d, own))
         store(x, i + 1, scale(-1.0, add(carry_r, up_r)))
         store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))

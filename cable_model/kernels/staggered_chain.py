@@ -7,7 +7,7 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import Cable, body_weight, total_weight
-from cable_model.kernels.staggered import assemble, lower_end_terms, tension
+from cable_model.kernels.staggered import assemble, lower_end_terms
 from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
 
@@ -169,8 +169,7 @@ def top_force(parts, problem, mesh, y, acceleration, top, time, s):
     n = mesh.shape[0] + 1
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0)
     lowest = max(n - 3, 0)
-    assemble(parts, problem.cable, problem.medium, problem.body, problem.numeric, gains, mesh, y, y[n:], acceleration,
-             top, time, lowest, s.bands, s.x, s.cells)  # fmt: skip
+    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells)
     return load(s.x, n - 1, top)
 
 

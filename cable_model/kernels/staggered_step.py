@@ -87,7 +87,6 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     """
     n = mesh.shape[0] + 1
     like = top
-    cable, medium, body, numeric = problem
     rate_old = c.alpha_m / (1.0 - c.alpha_m)
     rate_new = 1.0 / (1.0 - c.alpha_m)
     to_position = h * c.gamma * rate_new * (1.0 - c.alpha_k)
@@ -104,7 +103,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
-        assemble(parts, cable, medium, body, numeric, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells)
+        assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, s.bands, s.x, n, like)
         change = 0.0
@@ -119,7 +118,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
         cut = _update_tensions(parts.slack, s.cells, s.x, n, like)
         # quadratic convergence: the next change would be about change^3/previous^2
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
-        if min(change, 100.0 * expected) <= numeric.tolerance and not cut:
+        if min(change, 100.0 * expected) <= problem.numeric.tolerance and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
             return iteration
         previous = change
