@@ -43,6 +43,7 @@ PARAMETERS = (
     "tow.added_mass_vertical",
     "tow.drag_area_axial",
     "tow.body_angle",
+    "tow.explicit",
 )
 
 

@@ -1,0 +1,399 @@
+"""Wang's two-degree-of-freedom tow model: a straight cable that swings and stretches uniformly, with a body at its end.
+
+Inside, the report's axes and names: x right, y DOWN, phi > 0 when the body is at x < x of the top, u the stretch of the
+lower end.  Equations of [Wang 1971] with its errors corrected; `as_printed` keeps what the report computed.
+"""
+
+import math
+from typing import NamedTuple
+
+from cable_model.kernels.fluid import current_velocity, wave_motion
+from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import PARAMETERS, body_part, cable_part, total_weight
+
+ANGLE = HEADER  # phi
+ANGLE_RATE = HEADER + 1
+STRETCH = HEADER + 2  # u
+STRETCH_RATE = HEADER + 3
+PLANE = HEADER + 4  # y (FMI axes) of the plane of motion
+EVALUATIONS = HEADER + 5  # right-hand sides computed so far
+STATE = HEADER + 6
+WORK = 40
+
+POISSON = PARAMETERS.index("tow.poisson_ratio")
+REFERENCE_TENSION = PARAMETERS.index("tow.reference_tension")
+SEGMENTS = PARAMETERS.index("tow.drag_segments")
+MINIMUM_TENSION = PARAMETERS.index("tow.minimum_tension")
+ADDED_MASS_VERTICAL = PARAMETERS.index("tow.added_mass_vertical")
+DRAG_AREA_AXIAL = PARAMETERS.index("tow.drag_area_axial")
+BODY_ANGLE = PARAMETERS.index("tow.body_angle")
+DENSITY = PARAMETERS.index("water.density")
+NORMAL_DRAG = PARAMETERS.index("cable.normal_drag_coefficient")
+TANGENTIAL_DRAG = PARAMETERS.index("cable.tangential_drag_coefficient")
+ADDED_MASS = PARAMETERS.index("cable.added_mass_coefficient")
+AXIAL_DAMPING = PARAMETERS.index("cable.axial_damping")
+
+
+class Tow(NamedTuple):
+    """Constants of the model; those of absent parts are zero."""
+
+    reference_length: float  # l_r
+    length: float  # l_0, at zero tension
+    spring: float  # k = EA/l_r
+    damper: float  # C_I/l_r
+    floor: float  # least mean tension (TENS)
+    contraction: float  # p/l_r: the diameter is d_0 (1 - contraction u)
+    mass: float  # M_c in the forces
+    mass_inertia: float  # M_c in A1 and A3
+    added: float  # gamma rho pi d_0^2/4, kg/m, in the forces
+    added_inertia: float  # the same in A1
+    weight: float  # W_c in the medium
+    normal_drag: float  # 1/2 rho C_D d_0
+    tangential_drag: float  # 1/2 rho C_t d_0
+    segments: int
+    mass_x: float  # M_x, body and its added mass
+    mass_y: float
+    body_weight: float  # W_b in the medium
+    body_drag: float  # 1/2 rho (C_D A)_n
+    body_drag_axial: float  # 1/2 rho (C_D A)_t
+    sphere: bool  # drag along the flow, instead of a disk's
+    body_sin: float
+    body_cos: float
+    force: float  # force scale: weights in the medium
+    pendulum: float  # frequency scale of swinging, 1/s
+    axial: float  # frequency of stretching, 1/s
+
+
+@kernel
+def zero_tension_diameter(as_printed, diameter, strain_contraction):
+    """d_0 from the diameter at the reference tension; the report's eq 4 multiplies where eq 3 asks to divide."""
+    if as_printed is None:
+        return diameter / (1.0 - strain_contraction)
+    return diameter * (1.0 - strain_contraction)
+
+
+@kernel
+def kept_mass(cable_mass, mass):
+    if cable_mass is None:
+        return 0.0
+    return mass
+
+
+@kernel
+def kept_inertia(cable_mass, as_printed, mass):
+    """Cable mass in A1 and A3: without cable mass (CBMAS < 0) the report leaves it there, and energy drifts."""
+    if as_printed is None:
+        return kept_mass(cable_mass, mass)
+    return mass
+
+
+@kernel
+def density_of(water, p):
+    if water is None:
+        return 0.0
+    return p[DENSITY]
+
+
+@kernel
+def body_masses(body, water, p):
+    """Virtual masses of the body for horizontal and vertical motion, its weight, and 1/2 rho C_D A across and along its axis."""
+    if body is None:
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    b = body_part(body, water, p)
+    density = density_of(water, p)
+    vertical = p[ADDED_MASS_VERTICAL] if density > 0.0 else 0.0
+    return b.mass + b.added_mass, b.mass + vertical, b.weight, b.drag, 0.5 * density * p[DRAG_AREA_AXIAL]
+
+
+@kernel
+def voigt_coefficient(voigt, p):
+    if voigt is None:
+        return 0.0
+    return p[AXIAL_DAMPING]
+
+
+@kernel
+def constants(parts, p):
+    """Constants of a run [Wang 1971, eqs 1-7, 16, 24, 42-46].
+
+    Length, diameter and mass per length of the cable are those at the reference tension.  The report's C_t multiplies d, not
+    pi d (eq 44), so it is cable.tangential_drag_coefficient itself; the drag is that of the stretched length and thinned diameter.
+    |tow.body_angle| > pi selects the sphere's drag law (the report's |PHIBD| > 180 degrees).
+    """
+    cable = cable_part(parts.water, p)
+    density = density_of(parts.water, p)
+    spring = cable.stiffness / cable.length
+    stretch = p[REFERENCE_TENSION] / spring
+    contraction = p[POISSON] / cable.length
+    diameter = zero_tension_diameter(parts.as_printed, cable.diameter, contraction * stretch)
+    mass = cable.mass * cable.length
+    added = p[ADDED_MASS] * density * 0.25 * math.pi * diameter * diameter
+    mass_x, mass_y, body_weight, drag, drag_axial = body_masses(parts.body, parts.water, p)
+    inertia = kept_inertia(parts.cable_mass, parts.as_printed, mass)
+    return Tow(
+        cable.length,
+        cable.length - stretch,
+        spring,
+        voigt_coefficient(parts.voigt, p) / cable.length,
+        p[MINIMUM_TENSION],
+        contraction,
+        kept_mass(parts.cable_mass, mass),
+        inertia,
+        kept_mass(parts.cable_mass, added),
+        kept_inertia(parts.cable_mass, parts.as_printed, added),
+        cable.weight * cable.length,
+        0.5 * density * p[NORMAL_DRAG] * diameter,
+        0.5 * density * p[TANGENTIAL_DRAG] * diameter,
+        max(1, int(p[SEGMENTS])),
+        mass_x,
+        mass_y,
+        body_weight,
+        drag,
+        drag_axial,
+        abs(p[BODY_ANGLE]) > math.pi,
+        math.sin(p[BODY_ANGLE]),
+        math.cos(p[BODY_ANGLE]),
+        total_weight(parts, p),
+        max(math.sqrt(abs(cable.gravity) / cable.length), 1e-3),
+        math.sqrt(spring / max(min(mass_x, mass_y) + inertia / 3.0, 1e-300)),
+    )
+
+
+@kernel
+def wave_velocity(waves, as_printed, x, y, time):
+    """Orbital velocity of the waves in (x, y down); eq 26b of the report has the vertical one upside down."""
+    if waves is None:
+        return 0.0, 0.0
+    v, _, _ = wave_motion(waves, (x, -y), time)
+    if as_printed is None:
+        return v[0], -v[1]
+    return v[0], v[1]
+
+
+@kernel
+def water_velocity(current, waves, as_printed, x, y, time):
+    flow, _ = current_velocity(current, (x, -y))
+    vx, vy = wave_velocity(waves, as_printed, x, y, time)
+    return flow[0] + vx, vy
+
+
+@kernel
+def tangential_weight(as_printed, middle):
+    """Virtual work of a segment's tangential drag on the stretch; eq 45 of the report leaves it out."""
+    if as_printed is None:
+        return middle
+    return 1.0
+
+
+@kernel
+def turned(x, y, sin, cos):
+    """Components along n = (-cos, -sin) and t = (-sin, cos), across and along the cable."""
+    return -x * cos - y * sin, -x * sin + y * cos
+
+
+@kernel
+def cable_drag(water, current, waves, as_printed, c, top, time, motion):
+    """Generalized drag forces on phi and u, and the drag force (x, y down), of the whole cable [Wang 1971, eqs 38-45]."""
+    if water is None:
+        return 0.0, 0.0, 0.0, 0.0
+    phi, phi_rate, u, u_rate = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    across_top, along_top = turned(top[1], top[4], sin, cos)
+    moment = 0.0
+    pull = 0.0
+    normal = 0.0
+    tangential = 0.0
+    for i in range(c.segments):
+        middle = (i + 0.5) / c.segments
+        s = middle * length
+        vx, vy = water_velocity(current, waves, as_printed, top[0] - s * sin, top[3] + s * cos, time)
+        across, along = turned(vx, vy, sin, cos)
+        across -= across_top + s * phi_rate
+        along -= along_top + middle * u_rate
+        fn = abs(across) * across
+        ft = abs(along) * along
+        normal += fn
+        tangential += ft
+        moment += middle * fn
+        pull += tangential_weight(as_printed, middle) * ft
+    area = (1.0 - c.contraction * u) * length / c.segments
+    kn = c.normal_drag * area
+    kt = c.tangential_drag * area
+    return kn * length * moment, kt * pull, -kn * normal * cos - kt * tangential * sin, -kn * normal * sin + kt * tangential * cos
+
+
+@kernel
+def body_drag(body, water, current, waves, as_printed, c, top, time, motion):
+    """Drag force (x, y down) on the body, by the law of spheres or of disks [Wang 1971, eqs 32-35]."""
+    if body is None or water is None:
+        return 0.0, 0.0
+    phi, phi_rate, u, u_rate = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    vx, vy = water_velocity(current, waves, as_printed, top[0] - length * sin, top[3] + length * cos, time)
+    vx -= top[1] - u_rate * sin - length * cos * phi_rate
+    vy -= top[4] + u_rate * cos - length * sin * phi_rate
+    if c.sphere:
+        k = c.body_drag * math.sqrt(vx * vx + vy * vy)
+        return k * vx, k * vy
+    across, along = turned(vx, vy, c.body_sin, c.body_cos)
+    dt = c.body_drag_axial * abs(along) * along
+    dn = c.body_drag * abs(across) * across
+    return -c.body_sin * dt - c.body_cos * dn, c.body_cos * dt - c.body_sin * dn
+
+
+@kernel
+def excess_tension(c, motion):
+    """k u + C_I u'/l_r - TENS: the cable is slack where it is negative."""
+    return c.spring * motion[2] + c.damper * motion[3] - c.floor
+
+
+@kernel
+def mean_tension(tension_floor, c, motion, slack):
+    """F_bc [Wang 1971, eq 54]; `slack` (0 or 1) says on which branch of the floor."""
+    if tension_floor is None:
+        return c.spring * motion[2] + c.damper * motion[3]
+    if slack > 0.5:
+        return c.floor
+    return c.spring * motion[2] + c.damper * motion[3]
+
+
+@kernel
+def added_masses(c, u):
+    """M_a and M_a' = dM_a/du of the cable."""
+    thin = 1.0 - c.contraction * u
+    length = c.length + u
+    return c.added * thin * thin * length, c.added * thin * (thin - 2.0 * c.contraction * length)
+
+
+@kernel
+def cable_inertia(cable_mass, c, top, motion):
+    """Forces of the cable's mass and added mass on phi and u, without those in A1 and A3."""
+    if cable_mass is None:
+        return 0.0, 0.0
+    phi, w, u, ud = motion
+    length = c.length + u
+    vn, vt = turned(top[1], top[4], math.sin(phi), math.cos(phi))
+    an, at = turned(top[2], top[5], math.sin(phi), math.cos(phi))
+    ma, ma_rate = added_masses(c, u)
+    swing = 0.5 * length * an + 2.0 / 3.0 * length * ud * w
+    r1 = -c.mass * swing - ma * (swing + 0.5 * vn * ud + vn * vt) - ma_rate * ud * length * (0.5 * vn + length * w / 3.0)
+    r2 = (
+        -c.mass * (0.5 * at - length * w * w / 3.0)
+        + ma * w * (0.5 * vn + length * w / 3.0)
+        + 0.5 * ma_rate * (vn * vn + vn * w * length + length * length * w * w / 3.0)
+    )
+    return r1, r2
+
+
+@kernel
+def accelerations(parts, c, top, time, motion, slack):
+    """phi'' and u'' [Wang 1971, eqs 47-49, corrected].
+
+    top: x, x', x'', y, y', y'' (y down); motion: phi, phi', u, u'.
+    """
+    phi, w, u, ud = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    q1, q2, _, _ = cable_drag(parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    dx, dy = body_drag(parts.body, parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    i1, i2 = cable_inertia(parts.cable_mass, c, top, motion)
+    alpha = c.mass_x * (top[2] - 2.0 * ud * w * cos + length * w * w * sin)
+    beta = c.mass_y * (top[5] - 2.0 * ud * w * sin - length * w * w * cos)
+    weight = c.body_weight + 0.5 * c.weight
+    # body drag turns and pulls as eq 37; both equations of phi are divided by L
+    r1 = cos * alpha + sin * beta - sin * weight - dx * cos - dy * sin + (i1 + q1) / length
+    r2 = sin * alpha - cos * beta + cos * weight - dx * sin + dy * cos + i2 + q2
+    r2 -= mean_tension(parts.tension_floor, c, motion, slack)
+    thin = 1.0 - c.contraction * u
+    a1 = (c.mass_inertia + c.added_inertia * thin * thin * length) / 3.0 + c.mass_x * cos * cos + c.mass_y * sin * sin
+    a2 = sin * cos * (c.mass_x - c.mass_y)
+    a3 = c.mass_inertia / 3.0 + c.mass_x * sin * sin + c.mass_y * cos * cos
+    det = 1.0 / (a1 * a3 - a2 * a2)
+    return (a3 * r1 - a2 * r2) * det / length, (a1 * r2 - a2 * r1) * det
+
+
+@kernel
+def end_forces(parts, c, top, time, motion, slack):
+    """Force of the support on the cable (x, y down), and the tensions at the top, in the mean and at the body.
+
+    From the momentum of cable and body; the report does not give it.
+    """
+    phi, w, u, ud = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    wd, udd = accelerations(parts, c, top, time, motion, slack)
+    _, _, cx, cy = cable_drag(parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    dx, dy = body_drag(parts.body, parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    ax = top[2] - udd * sin - 2.0 * ud * w * cos - length * (cos * wd - sin * w * w)
+    ay = top[5] + udd * cos - 2.0 * ud * w * sin - length * (sin * wd + cos * w * w)
+    # force of the cable on the body
+    bx = c.mass_x * ax - dx
+    by = c.mass_y * ay - dy - c.body_weight
+    vn, vt = turned(top[1], top[4], sin, cos)
+    an, at = turned(top[2], top[5], sin, cos)
+    ma, ma_rate = added_masses(c, u)
+    half = vn + 0.5 * length * w
+    along = c.mass * (at + 0.5 * udd - 0.5 * length * w * w) - ma * w * half
+    turn = ud * w + 0.5 * length * wd
+    across = c.mass * (an + turn) + ma_rate * ud * half + ma * (an - w * vt + 0.5 * ud * w + 0.5 * length * wd)
+    fx = bx - along * sin - across * cos - cx
+    fy = by + along * cos - across * sin - cy - c.weight
+    return fx, fy, fx * sin - fy * cos, mean_tension(parts.tension_floor, c, motion, slack), bx * sin - by * cos
+
+
+@kernel
+def slack_share(tension_floor, c, motion):
+    if tension_floor is None:
+        return 0.0
+    if excess_tension(c, motion) <= 0.0:
+        return 1.0
+    return 0.0
+
+
+@kernel
+def state_size(parts, p):
+    return STATE
+
+
+@kernel
+def work_size(parts, p):
+    return WORK
+
+
+@kernel
+def outputs(parts, p, state, work, out):
+    """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment, z up."""
+    c = constants(parts, p)
+    top = (state[TOP], state[TOP + 3], state[TOP + 6], -state[TOP + 2], -state[TOP + 5], -state[TOP + 8])
+    motion = (state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE])
+    slack = slack_share(parts.tension_floor, c, motion)
+    fx, fy, t_top, t_mean, t_body = end_forces(parts, c, top, state[TIME], motion, slack)
+    phi, w, u, ud = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    out[0] = -fx
+    out[1] = 0.0
+    out[2] = fy
+    out[3] = t_top
+    out[4] = math.atan2(abs(sin), cos)
+    out[5] = top[0] - length * sin
+    out[6] = state[PLANE]
+    out[7] = -top[3] - length * cos
+    out[8] = top[1] - ud * sin - length * cos * w
+    out[9] = 0.0
+    out[10] = -top[4] - ud * cos + length * sin * w
+    out[11] = t_body
+    out[12] = max(t_top, t_mean, t_body)
+    out[13] = min(t_top, t_mean, t_body)
+    out[14] = slack
+    out[15] = state[STEPS]
+    out[16] = state[NEWTON]
+    out[17] = state[REJECTED]

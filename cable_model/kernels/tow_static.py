@@ -1,0 +1,111 @@
+"""The tow model's shape, at rest too: equilibrium under weight, buoyancy and a steady current, and the state that starts from it."""
+
+import math
+
+from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, TIME, TOP
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, body_drag, cable_drag, constants
+
+SCAN = 36  # intervals on each side of the vertical in which equilibria are looked for
+
+
+@kernel
+def still_loads(parts, c, x, y, phi, u):
+    """Turning moment on the cable at rest in the current, and the mean tension that holds it."""
+    top = (x, 0.0, 0.0, y, 0.0, 0.0)
+    motion = (phi, 0.0, u, 0.0)
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    q1, q2, _, _ = cable_drag(parts.water, parts.current, None, parts.as_printed, c, top, 0.0, motion)
+    dx, dy = body_drag(parts.body, parts.water, parts.current, None, parts.as_printed, c, top, 0.0, motion)
+    weight = c.body_weight + 0.5 * c.weight
+    return (c.length + u) * (-sin * weight - dx * cos - dy * sin) + q1, cos * weight - dx * sin + dy * cos + q2
+
+
+@kernel
+def stable_angle(parts, c, x, y, u):
+    """Angle of stable balance nearest to the vertical that gravity and buoyancy prefer; NaN where there is none."""
+    hang = 0.0
+    if c.body_weight + 0.5 * c.weight < 0.0:
+        hang = math.pi
+    middle, _ = still_loads(parts, c, x, y, hang, u)
+    if middle == 0.0:
+        return hang
+    step = math.pi / SCAN
+    for j in range(SCAN):
+        for side in (1.0, -1.0):
+            low = hang + min(side * j * step, side * (j + 1) * step)
+            high = low + step
+            m_low, _ = still_loads(parts, c, x, y, low, u)
+            m_high, _ = still_loads(parts, c, x, y, high, u)
+            if m_low >= 0.0 and m_high <= 0.0 and m_low > m_high:
+                for _ in range(60):
+                    phi = 0.5 * (low + high)
+                    m, _ = still_loads(parts, c, x, y, phi, u)
+                    if m > 0.0:
+                        low = phi
+                    else:
+                        high = phi
+                return 0.5 * (low + high)
+    return math.nan
+
+
+@kernel
+def equilibrium(parts, c, x, y):
+    """Angle and stretch at rest in the steady current, and whether they balance."""
+    u = (c.body_weight + 0.5 * c.weight) / c.spring
+    for _ in range(200):
+        phi = stable_angle(parts, c, x, y, u)
+        if not abs(phi) < 10.0:
+            return 0.0, 0.0, False
+        _, pull = still_loads(parts, c, x, y, phi, u)
+        gap = pull / c.spring - u
+        u += gap
+        if not u > -0.9 * c.length:
+            return 0.0, 0.0, False
+        if abs(gap) * c.spring <= 1e-13 * c.force:
+            break
+    _, pull = still_loads(parts, c, x, y, phi, u)
+    balanced = abs(pull - c.spring * u) <= 1e-9 * c.force
+    return phi, u, balanced
+
+
+@kernel
+def above_floor(tension_floor, c, u):
+    if tension_floor is None:
+        return True
+    return c.spring * u >= c.floor - 1e-9 * c.force
+
+
+@kernel
+def initialize(parts, p, time, state, work):
+    """Hang the cable in equilibrium in the steady current under the top of state[TOP:TOP+9], moving with it; returns a status."""
+    c = constants(parts, p)
+    if not abs(state[TOP + 4]) <= 1e-9 * c.reference_length * c.pendulum:
+        return OUT_OF_PLANE
+    for i in range(STEPS, STATE):
+        if i < TOP or i > TOP + 8:
+            state[i] = 0.0
+    state[TIME] = time
+    state[TIME + 1] = 0.0
+    state[TIME + 2] = 0.0
+    state[PLANE] = state[TOP + 1]
+    phi, u, balanced = equilibrium(parts, c, state[TOP], -state[TOP + 2])
+    if not balanced or not above_floor(parts.tension_floor, c, u) or not c.mass_y + c.mass_inertia > 0.0:
+        return NO_EQUILIBRIUM
+    state[ANGLE] = phi
+    state[STRETCH] = u
+    return OK
+
+
+@kernel
+def node_positions(parts, p, state, work, positions):
+    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
+    c = constants(parts, p)
+    length = c.length + state[STRETCH]
+    n = positions.shape[0]
+    for i in range(n):
+        below = length * (n - 1 - i) / max(n - 1, 1)
+        positions[i, 0] = state[TOP] - below * math.sin(state[ANGLE])
+        positions[i, 1] = state[PLANE]
+        positions[i, 2] = state[TOP + 2] - below * math.cos(state[ANGLE])

@@ -1,0 +1,254 @@
+"""A communication step of the tow model: step control, and slack events that end a step where the cable goes slack or taut.
+
+With what it takes over from the other files this is the whole component: sizes, initialization, steps, outputs.
+"""
+
+import math
+
+from cable_model.kernels.header import (
+    ERROR_SIZE,
+    ERROR_TIME,
+    NEWTON,
+    NEXT_STEP,
+    NOT_FINITE,
+    OK,
+    OUT_OF_PLANE,
+    REJECTED,
+    STEP,
+    STEP_TOO_SMALL,
+    STEPS,
+    TIME,
+    TOP,
+)
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import PARAMETERS
+from cable_model.kernels.top import evaluate
+from cable_model.kernels.tow import (
+    ANGLE,
+    ANGLE_RATE,
+    EVALUATIONS,
+    PLANE,
+    STRETCH,
+    STRETCH_RATE,
+    constants,
+    excess_tension,
+    outputs,
+    state_size,
+    work_size,
+)
+from cable_model.kernels.tow_schemes import MAX_ITERATIONS, Drive, derivative, jacobian, merson_step, radau_step, weights
+from cable_model.kernels.tow_static import initialize, node_positions
+
+__all__ = ("advance", "initialize", "node_positions", "outputs", "state_size", "work_size")
+
+TIME_STEP = PARAMETERS.index("solver.time_step")
+TOLERANCE = PARAMETERS.index("solver.tolerance")
+EXPLICIT = PARAMETERS.index("tow.explicit")
+MAX_EVENTS = 60  # trials to end a step on an event
+
+
+@kernel
+def attempt(explicit, parts, c, drive, elapsed, h, y, f, j, slack, scale, tolerance, work):
+    if explicit:
+        return merson_step(parts, c, drive, elapsed, h, y, f, slack, scale, work)
+    return radau_step(parts, c, drive, elapsed, h, y, f, j, slack, scale, tolerance, work)
+
+
+@kernel
+def on_floor(tension_floor, c, y, f, graze):
+    """1.0 where the cable is slack, else 0.0; on the corner itself the rate of the excess tension decides."""
+    if tension_floor is None:
+        return 0.0
+    excess = excess_tension(c, y)
+    if abs(excess) <= graze:
+        excess = c.spring * f[2] + c.damper * f[3]
+    return 1.0 if excess < 0.0 else 0.0
+
+
+@kernel
+def first_crossing(tension_floor, work, slack, graze):
+    """Fraction of the step at which the excess tension first leaves its branch by more than `graze`; 2 where it stays."""
+    if tension_floor is None:
+        return 2.0
+    sign = 1.0 - 2.0 * slack
+    a0, a1, a2, a3 = sign * work[24], sign * work[25], sign * work[26], sign * work[27]
+    low, high = 2.0, 2.0  # where the cubic is stationary
+    under = a2 * a2 - 3.0 * a1 * a3
+    if under > 0.0:
+        q = -a2 - math.copysign(math.sqrt(under), a2)
+        if abs(3.0 * a3) > abs(0.5 * q):
+            low = q / (3.0 * a3)
+        if q != 0.0:
+            high = a1 / q
+    start = 0.0
+    for point in (min(low, high), max(low, high), 1.0):
+        if start < point <= 1.0:
+            if a0 + point * (a1 + point * (a2 + point * a3)) < -graze:
+                if a0 + start * (a1 + start * (a2 + start * a3)) <= 0.0:
+                    return start
+                for _ in range(50):
+                    middle = 0.5 * (start + point)
+                    if a0 + middle * (a1 + middle * (a2 + middle * a3)) > 0.0:
+                        start = middle
+                    else:
+                        point = middle
+                return point
+            start = point
+    return 2.0
+
+
+@kernel
+def step_to_event(explicit, parts, c, drive, elapsed, h, share, y, f, j, slack, scale, tolerance, graze, work):
+    """Step that ends where the excess tension is zero, near the fraction `share` of h; returns its size and as radau_step does."""
+    low, high, size = 0.0, h, share * h
+    newton, evaluations = 0, 0
+    for _ in range(MAX_EVENTS):
+        iterations, end, error, spent = attempt(explicit, parts, c, drive, elapsed, size, y, f, j, slack, scale, tolerance, work)
+        evaluations += spent
+        if iterations < 0:
+            return size, -1, y, 0.0, evaluations
+        newton += iterations
+        sign = 1.0 - 2.0 * slack
+        excess = sign * excess_tension(c, end)
+        if abs(excess) <= graze or high - low < 1e-13 * h:
+            break
+        if excess > 0.0:
+            low = size
+        else:
+            high = size
+        slope = sign * (work[25] + 2.0 * work[26] + 3.0 * work[27])  # by the fraction of this step, at its end
+        size = size - size * excess / slope if slope < 0.0 else low
+        if not low < size < high:
+            size = 0.5 * (low + high)
+    return size, newton, end, error, evaluations
+
+
+@kernel
+def failed(status, state, time, size):
+    state[ERROR_TIME] = time
+    state[ERROR_SIZE] = size
+    return status
+
+
+@kernel
+def check_path(path, h, c, state):
+    total = h
+    for i in range(6):
+        total += abs(path[i, 0]) + abs(path[i, 1]) + abs(path[i, 2])
+    if not total < 1e12:
+        return NOT_FINITE
+    drift = abs(path[0, 1] - state[PLANE])
+    for i in range(1, 6):
+        drift += abs(path[i, 1])
+    if drift > 1e-9 * (c.reference_length + abs(state[PLANE])):
+        return OUT_OF_PLANE
+    return OK
+
+
+@kernel
+def next_size(explicit, size, error, tolerance, iterations):
+    """Step that the error asks for: by its order, or by halves and doubles as the report's method does."""
+    if explicit:
+        if error > tolerance:
+            return 0.5 * size
+        return 2.0 * size if error < tolerance / 32.0 else size
+    safety = 0.9 * (2 * MAX_ITERATIONS + 1) / (2 * MAX_ITERATIONS + iterations)
+    return size * min(8.0, max(0.2, safety * (tolerance / max(error, 1e-6 * tolerance)) ** 0.25))
+
+
+@kernel
+def advance(parts, p, time, h, path, state, work):
+    """Integrate over [time, time + h] while the top follows `path`; returns a status, and leaves the state alone unless it is OK.
+
+    solver.tolerance > 0 bounds the local error of a step relative to `weights`; at 0 the steps are equal, none longer than
+    solver.time_step.  Either way a step ends where the cable goes slack or taut.
+    """
+    c = constants(parts, p)
+    status = check_path(path, h, c, state)
+    if status != OK:
+        return failed(status, state, time, 0.0)
+    drive = Drive(path, h, time)
+    explicit = p[EXPLICIT] > 0.5
+    tolerance = max(p[TOLERANCE], 0.0)
+    fixed = not tolerance > 0.0
+    pieces = max(1, math.ceil(h / p[TIME_STEP] * (1.0 - 1e-12))) if fixed else 1
+    graze = max(0.1 * tolerance, 1e-9) * c.force
+    y = (state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE])
+    wanted = h
+    if not fixed:
+        wanted = state[NEXT_STEP] if state[NEXT_STEP] > 0.0 else (p[TIME_STEP] if p[TIME_STEP] > 0.0 else h)
+    elapsed, size, piece, flips = 0.0, 0.0, 1, 0
+    steps, newton, rejected, evaluations = 0, 0, 0, 1
+    f = derivative(parts, c, drive, 0.0, y, 0.0)
+    slack = on_floor(parts.tension_floor, c, y, f, graze)
+    f = derivative(parts, c, drive, 0.0, y, slack)
+    j = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    fresh = True
+    while elapsed < h:
+        goal = h * piece / pieces
+        left = goal - elapsed
+        size = left if wanted >= left * (1.0 - 1e-9) else (0.5 * left if wanted > 0.5 * left else wanted)
+        if fresh and not explicit:
+            j = jacobian(parts, c, drive, elapsed, y, f, slack)
+            evaluations += 4
+        fresh = False
+        scale = weights(c, y)
+        iterations, end, error, spent = attempt(explicit, parts, c, drive, elapsed, size, y, f, j, slack, scale, tolerance, work)
+        evaluations += spent
+        newton += max(iterations, 0)
+        good = iterations >= 0 and abs(error) < 1e12 and abs(end[0]) + abs(end[1]) + abs(end[2]) + abs(end[3]) < 1e12
+        if not good or (not fixed and error > tolerance):
+            rejected += 1
+            wanted = next_size(explicit, size, error, tolerance, iterations) if good else 0.25 * size
+            if wanted < 1e-9 * min(h, 1.0 / c.pendulum):
+                return failed(STEP_TOO_SMALL if good or abs(f[1]) + abs(f[3]) < 1e300 else NOT_FINITE, state, time + elapsed, error)
+            continue
+        share = first_crossing(parts.tension_floor, work, slack, graze)
+        if share * size < 1e-12 * h and flips < 3:
+            slack = 1.0 - slack
+            flips += 1
+            f = derivative(parts, c, drive, elapsed, y, slack)
+            evaluations += 1
+            fresh = True
+            continue
+        before = size
+        if 1e-12 * h <= share * size and share <= 1.0:
+            size, iterations, end, error, spent = step_to_event(
+                explicit, parts, c, drive, elapsed, size, share, y, f, j, slack, scale, tolerance, graze, work
+            )
+            evaluations += spent
+            newton += max(iterations, 0)
+            if iterations < 0:
+                rejected += 1
+                wanted = 0.25 * before
+                continue
+        elapsed = goal if size >= left else elapsed + size
+        if size >= left:
+            piece += 1
+        y = end
+        steps += 1
+        flips = 0
+        fresh = True
+        f = derivative(parts, c, drive, elapsed, y, slack)
+        evaluations += 1
+        now_slack = on_floor(parts.tension_floor, c, y, f, graze)
+        if now_slack != slack:
+            slack = now_slack
+            f = derivative(parts, c, drive, elapsed, y, slack)
+            evaluations += 1
+        if not fixed:
+            proposal = next_size(explicit, size, error, tolerance, iterations)
+            wanted = max(wanted, proposal) if size < wanted else proposal
+        else:
+            wanted = max(wanted, 2.0 * size)
+    state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE] = y
+    state[TIME] = time + h
+    state[STEP] = size
+    state[NEXT_STEP] = wanted if not fixed else size
+    state[STEPS] += steps
+    state[NEWTON] += newton
+    state[REJECTED] += rejected
+    state[EVALUATIONS] += evaluations
+    for k in range(3):
+        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = evaluate(path, h, 1.0, k)
+    return OK
