@@ -1,0 +1,230 @@
+"""The one interface table of the FMUs: every variable with its facts.  XML, value references, getters, the README and C derive from it.
+
+Both FMUs have the same table.  The value reference of a variable is its place in it: append, never insert.  Facts of parameters
+come from the scene's data classes; only what FMI adds is written here.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from cable_model import parameters
+from cable_model.errors import refuse, unknown
+from cable_model.scene import Scene, from_dict, with_values
+from cable_model.signals import INPUTS, OUTPUTS
+
+GENERIC = {
+    "title": "Body on a 100 m steel wire in still water",
+    "cable": {
+        "length": 100.0,
+        "diameter": 0.013,
+        "mass_per_length": 0.68,
+        "axial_stiffness": 9.5e6,
+        "normal_drag_coefficient": 1.2,
+        "tangential_drag_coefficient": 0.02,
+        "added_mass_coefficient": 1.0,
+    },
+    "body": {"mass": 500.0, "volume": 0.1, "drag_area": 0.5, "added_mass": 50.0},
+    "water": {"density": 1025.0},
+    "run": {"duration": 60.0, "output_step": 0.05},
+}
+
+CPU_TIME = "solver.cpu_time"
+EFFECTS = "effects.active"
+
+# named as in scenes, but for `wave`, which is the scene's [waves]
+_PARAMETERS = (
+    "top.motion_order",
+    "cable.length",
+    "cable.diameter",
+    "cable.mass_per_length",
+    "cable.axial_stiffness",
+    "cable.bending_stiffness",
+    "cable.axial_damping",
+    "cable.normal_drag_coefficient",
+    "cable.tangential_drag_coefficient",
+    "cable.added_mass_coefficient",
+    "cable.compressible",
+    "cable.inextensible",
+    "body.mass",
+    "body.volume",
+    "body.drag_area",
+    "body.added_mass",
+    "lower_end.anchored",
+    "lower_end.x",
+    "lower_end.y",
+    "lower_end.z",
+    "lower_end.release_force",
+    "environment.gravity",
+    "water.density",
+    "current.speed",
+    "current.direction",
+    "wave.amplitude",
+    "wave.period",
+    "wave.direction",
+    "wave.phase",
+    "solver.grid",
+    "solver.nodes",
+    "solver.grading",
+    "solver.time_step",
+    "solver.lambda_infinity",
+    "solver.integrator",
+    "solver.tolerance",
+    "solver.slack_smoothing",
+    "solver.slack_damping",
+    "solver.space",
+    "tow.poisson_ratio",
+    "tow.reference_tension",
+    "tow.drag_segments",
+    "tow.minimum_tension",
+    "tow.cable_mass",
+    "tow.body_angle",
+    "tow.drag_area_axial",
+    "tow.added_mass_vertical",
+    "tow.as_printed",
+    "tow.explicit",
+)
+
+_INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}
+_OUTPUT_FACTS = {
+    "top.force_x": ("N", "force of the cable on its attachment, x", 1e3),
+    "top.force_y": ("N", "force of the cable on its attachment, y", 1e3),
+    "top.force_z": ("N", "force of the cable on its attachment, z", 1e3),
+    "top.tension": ("N", "tension at the top", 1e3),
+    "top.declination": ("rad", "angle of the cable's top from straight down", 1.0),
+    "body.x": ("m", "position of the lower end, x", 100.0),
+    "body.y": ("m", "position of the lower end, y", 100.0),
+    "body.z": ("m", "position of the lower end, z", 100.0),
+    "body.vx": ("m/s", "velocity of the lower end, x", 1.0),
+    "body.vy": ("m/s", "velocity of the lower end, y", 1.0),
+    "body.vz": ("m/s", "velocity of the lower end, z", 1.0),
+    "body.tension": ("N", "tension at the lower end", 1e3),
+    "cable.tension_max": ("N", "largest tension along the cable", 1e3),
+    "cable.tension_min": ("N", "smallest tension along the cable", 1e3),
+    "cable.slack_fraction": ("1", "slack share of the cable's length", 1.0),
+    "solver.steps": ("1", "internal steps since initialization", 1e3),
+    "solver.newton_iterations": ("1", "Newton iterations since initialization", 1e3),
+    "solver.rejected_steps": ("1", "internal steps that were repeated", 10.0),
+    CPU_TIME: ("s", "processor time spent in steps", 1.0),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One row: what FMI says of a variable, and the name of the scene's value behind it (parameters only).
+
+    `kind` is the FMI type: "Real", "Integer", "Boolean" or "String".  `minimum_excluded` says that `minimum` itself is refused.
+    A parameter with `choices` is a text in scenes; its Integer is the place of the text.
+    """
+
+    name: str
+    causality: str
+    variability: str
+    kind: str
+    unit: str
+    description: str
+    start: float | int | bool | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    minimum_excluded: bool = False
+    nominal: float | None = None
+    scene_name: str = ""
+    choices: tuple[str, ...] = ()
+
+
+def scene_name(name: str) -> str:
+    """The dotted name in scenes of an FMU parameter."""
+    part, _, field = name.partition(".")
+    return f"waves.{field}" if part == "wave" else name
+
+
+def _inputs(scene: Scene) -> list[Variable]:
+    starts = (*scene.top.position, *([0.0] * 6))
+    rows = []
+    for name, start in zip(INPUTS, starts, strict=True):
+        kind, axis = name.removeprefix("top.")[:-1], name[-1]
+        unit, text = _INPUT_FACTS[kind]
+        rows.append(Variable(name, "input", "continuous", "Real", unit, text.format(axis), start, nominal=1.0))
+    return rows
+
+
+def _outputs() -> list[Variable]:
+    rows = []
+    for name in (*OUTPUTS, CPU_TIME):
+        unit, text, nominal = _OUTPUT_FACTS[name]
+        rows.append(Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal))
+    return rows
+
+
+def _facts(name: str) -> tuple[type, dataclasses.Field]:
+    """Type and field of the scene's value behind a parameter."""
+    part, _, field = scene_name(name).partition(".")
+    holder = getattr(parameters, "".join(word.capitalize() for word in part.split("_")))
+    return typing.get_type_hints(holder)[field], next(f for f in dataclasses.fields(holder) if f.name == field)
+
+
+def _value(scene: Scene, name: str) -> float | int | bool | str:
+    part, _, field = scene_name(name).partition(".")
+    holder = getattr(scene, part)
+    return 0.0 if holder is None else getattr(holder, field)
+
+
+def _parameter(scene: Scene, name: str) -> Variable:
+    kind, field = _facts(name)
+    facts = field.metadata
+    value = _value(scene, name)
+    text = facts["description"]
+    if name.startswith("tow."):
+        text += " (TowCable only)"
+    common = ("parameter", "fixed")
+    if kind is bool:
+        return Variable(name, *common, "Boolean", "", text, value, scene_name=scene_name(name))
+    if kind is str:
+        choices = facts["choices"]
+        listed = ", ".join(f"{code} {choice}" for code, choice in enumerate(choices))
+        return Variable(
+            name, *common, "Integer", "", f"{text}: {listed}", choices.index(value), 0, len(choices) - 1,
+            scene_name=scene_name(name), choices=choices,
+        )  # fmt: skip
+    least = facts["least"] if facts["above"] is None else facts["above"]
+    return Variable(
+        name, *common, "Integer" if kind is int else "Real", "" if kind is int else facts["unit"], text, value, least, facts["most"],
+        minimum_excluded=facts["above"] is not None, scene_name=scene_name(name),
+    )  # fmt: skip
+
+
+def table(scene: Scene | None = None) -> tuple[Variable, ...]:
+    """The interface, with the start values of a scene (None: the generic one); place = value reference = index in the XML - 1."""
+    scene = generic_scene() if scene is None else scene
+    active = Variable(EFFECTS, "local", "fixed", "String", "", "effects that are simulated, and the value that switched each on")
+    return (*_inputs(scene), *_outputs(), active, *(_parameter(scene, name) for name in _PARAMETERS))
+
+
+def generic_scene() -> Scene:
+    """The scene of an FMU that has none baked in: it initializes as it is."""
+    return from_dict(GENERIC)
+
+
+def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool]) -> Scene:
+    """The scene that FMU parameter values describe; what they do not name, such as a table of the current, is the base scene's.
+
+    Raises ParameterError for a name that is no parameter, a value that breaks its rule, and values that do not go together.
+    """
+    changed = {}
+    for name, value in values.items():
+        if name not in _PARAMETERS:
+            raise unknown(name, _PARAMETERS, "parameter")
+        row = _parameter(base_scene, name)
+        if row.choices:
+            if value not in range(len(row.choices)):
+                raise refuse(name, value, "", f"a whole number from 0 to {len(row.choices) - 1}", f"Codes: {row.description}.")
+            value = row.choices[int(value)]
+        if value == _value(base_scene, name):
+            continue
+        if name.startswith("current.") and base_scene.current.levels:
+            raise refuse(name, value, row.unit, f"{row.start:g} where a table of the current is baked in", "Bake a scene without current.levels.")
+        changed[row.scene_name] = value
+    return with_values(base_scene, changed)
