@@ -6,13 +6,14 @@ State: the header, then mesh, Y, Y', Y'' (backward difference of Y'), the state 
 import math
 from typing import NamedTuple
 
-from cable_model.kernels import header, staggered_chain
+from cable_model.kernels import grid, header
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import body_part, cable_part, node_count, total_weight, water_part
-from cable_model.kernels.staggered_step import Numeric, Problem, cut_scratch, keep_tensions, newton_step, rate_error, scratch_size
+from cable_model.kernels.problem import Body, Water, body_part, cable_part, node_count, total_weight, water_part
+from cable_model.kernels.staggered_step import Numeric, Problem
 from cable_model.kernels.top import evaluate
-from cable_model.kernels.vector import axpy, load, mix, norm, scale, sub
+from cable_model.kernels.vector import axpy, sub
 
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 
@@ -34,46 +35,52 @@ class View(NamedTuple):
 
 
 @kernel
-def axes(space, x, y, z):
-    """A vector in the chain's own dimension."""
-    if space is None:
-        return (x, z)
+def _in_plane(space, x, y, z):
+    return (x, z)
+
+
+@kernel
+def _in_space(space, x, y, z):
     return (x, y, z)
+
+
+axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimension
 
 
 @kernel
 def state_size(parts, p):
     n = node_count(p)
-    d = len(axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 8 * n * d + 4 * (n - 1)
+    rows, columns, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
+    return header.HEADER + 2 * (n - 1) + 4 * rows * columns + 2 * tensions
 
 
 @kernel
 def work_size(parts, p):
     n = node_count(p)
-    d = len(axes(parts.space, 0.0, 0.0, 0.0))
-    return 6 * n * d + scratch_size(n, d)
+    like = axes(parts.space, 0.0, 0.0, 0.0)
+    rows, columns, _ = grid.shape(parts.box, parts.bending, n, like)
+    return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
 
 
 @kernel
 def cut(parts, p, state, work):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)
-    d = len(like)
-    m = 2 * n * d
+    rows, d, tensions = grid.shape(parts.box, parts.bending, n, like)
+    m = rows * d
     o = header.HEADER + 2 * (n - 1)
     return View(
         state[header.HEADER : o].reshape((n - 1, 2)),
-        state[o : o + m].reshape((2 * n, d)),
-        state[o + m : o + 2 * m].reshape((2 * n, d)),
-        state[o + 2 * m : o + 3 * m].reshape((2 * n, d)),
-        state[o + 3 * m : o + 4 * m].reshape((2 * n, d)),
-        state[o + 4 * m : o + 4 * m + n - 1],
-        state[o + 4 * m + n - 1 : o + 4 * m + 2 * (n - 1)],
-        work[0:m].reshape((2 * n, d)),
-        work[m : 2 * m].reshape((2 * n, d)),
-        work[2 * m : 3 * m].reshape((2 * n, d)),
-        cut_scratch(work[3 * m :], n, like),
+        state[o : o + m].reshape((rows, d)),
+        state[o + m : o + 2 * m].reshape((rows, d)),
+        state[o + 2 * m : o + 3 * m].reshape((rows, d)),
+        state[o + 3 * m : o + 4 * m].reshape((rows, d)),
+        state[o + 4 * m : o + 4 * m + tensions],
+        state[o + 4 * m + tensions : o + 4 * m + 2 * tensions],
+        work[0:m].reshape((rows, d)),
+        work[m : 2 * m].reshape((rows, d)),
+        work[2 * m : 3 * m].reshape((rows, d)),
+        grid.cut_scratch(parts.box, parts.bending, work[3 * m :], n, like),
     )
 
 
@@ -98,14 +105,48 @@ def build(parts, p, pull):
         pull,
         1e-8 * reference,
     )
-    return Problem(cable, water_part(parts.water, p), body_part(parts.body, parts.water, p), numeric)
+    return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric)
 
 
 @kernel
-def _anchor(anchor, space, p):
-    if anchor is None:
-        return None
+def _absent(part, p):
+    return None
+
+
+@kernel
+def _wet(water, p):
+    medium = water_part(water, p)
+    return Water(medium.normal_drag, medium.tangential_drag, medium.added_mass, medium.displaced_mass)
+
+
+_medium = by_presence(_absent, _wet)
+
+
+@kernel
+def _no_body(part, water, p):
+    return None
+
+
+@kernel
+def _hung(part, water, p):
+    body = body_part(part, water, p)
+    return Body(body.mass, body.added_mass, body.displaced_mass, body.weight, body.drag)
+
+
+_body = by_presence(_no_body, _hung)
+
+
+@kernel
+def _free(anchor, space, p):
+    return None
+
+
+@kernel
+def _anchored(anchor, space, p):
     return axes(space, p[13], p[14], p[15])
+
+
+_anchor = by_presence(_free, _anchored)
 
 
 @kernel
@@ -119,28 +160,19 @@ def initialize(parts, p, time, state, work):
     """Static equilibrium under the top of the header; the top alone moves already."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[16])
-    staggered_chain.place_nodes(parts.anchor, problem, p[20], view.mesh)
+    grid.place_nodes(parts.box, parts.anchor, problem, p[20], view.mesh)
     top = _top_at(parts, state, 0)
-    status = staggered_chain.equilibrium(
-        parts, problem, p, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force,
-        top, _anchor(parts.anchor, parts.space, p), time, view.scratch,
-    )  # fmt: skip
+    status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
     if status != header.OK:
         return status
     problem = build(parts, p, 0.0)
-    status = staggered_chain.starting_rates(
-        parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force,
-        top, _top_at(parts, state, 3), _top_at(parts, state, 6), time, p[21], view.scratch,
-    )  # fmt: skip
+    status = grid.starting_rates(
+        parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), time
+    )
     if status != header.OK:
         return status
-    n = view.mesh.shape[0] + 1
-    for i in range(n - 1):
-        view.force_old[i] = view.force[i]
-    for k in range(len(top)):
-        view.y[n - 1, k] = top[k]
     for i in range(view.y.shape[0]):
-        for k in range(len(top)):
+        for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
             view.y_old[i, k] = view.y[i, k]
     state[header.TIME] = time
@@ -159,53 +191,53 @@ def _path_at(parts, path, h, s):
 
 
 @kernel
-def _drawn_to(anchor, velocity, position, integrated, h):
-    """Velocity that also removes the drift between the prescribed top and its integrated position (anchored cables)."""
-    if anchor is None:
-        return velocity
-    return axpy(0.25 / h, sub(position, integrated), velocity)
+def _as_prescribed(anchor, parts, p, view, velocity, position, h):
+    return velocity
 
 
 @kernel
-def _try_step(parts, problem, view, state, c, time, span, path, done, h):
+def _drawn_to(anchor, parts, p, view, velocity, position, h):
+    """Velocity that also removes the drift between the prescribed top and its integrated position."""
+    integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(anchor, parts.space, p))
+    return axpy(0.25 / h, sub(position, integrated), velocity)
+
+
+_top_velocity = by_presence(_as_prescribed, _drawn_to)  # drift arises on anchored cables only
+
+
+@kernel
+def _try_step(parts, p, problem, view, state, c, time, span, path, done, h):
     """One internal step from time + done; returns the Newton iterations or a negative status."""
     last = state[header.STEP]
     shift = (c.alpha_m - c.alpha_k) * (h - last) if last > 0.0 else 0.0
-    n = view.mesh.shape[0] + 1
-    for i in range(2 * n):
+    for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.yd0[i, k] = view.yd[i, k] + shift * view.ydd[i, k]
     before, _ = _path_at(parts, path, span, done / span)
     after, velocity = _path_at(parts, path, span, (done + h) / span)
-    velocity = _drawn_to(parts.anchor, velocity, before, load(view.y, n - 1, before), h)
-    top = mix(1.0 - c.alpha_k, after, c.alpha_k, before)
-    return newton_step(
-        parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + done + (1.0 - c.alpha_k) * h, h,
-        top, velocity, view.y1, view.yd1, view.force, view.scratch,
-    )  # fmt: skip
+    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, h)
+    return grid.newton_step(parts.box, parts, problem, view, last, c, time + done, h, before, after, velocity)
 
 
 @kernel
-def _accept(view, h):
+def _accept(parts, view, h):
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = (view.yd1[i, k] - view.yd0[i, k]) / h
             view.y_old[i, k] = view.y[i, k]
             view.y[i, k] = view.y1[i, k]
             view.yd[i, k] = view.yd1[i, k]
-    for i in range(view.force.shape[0]):
-        view.force_old[i] = view.force[i]
-    keep_tensions(view.force, view.scratch)
+    grid.keep_tensions(parts.box, view)
 
 
 @kernel
-def _local_error(problem, view, c, h, like):
+def _local_error(parts, problem, view, c, h, like):
     """Estimate of the acceleration that the truncation error of a step amounts to, m/s2."""
     first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
-    error = second * rate_error(problem, view.mesh, view.yd0, view.yd1, view.ydd, h, like)
+    error = second * grid.rate_error(parts.box, parts.bending, problem, view, h, like)
     if first > 1e-12:
-        error += first * rate_error(problem, view.mesh, view.yd0, view.yd1, view.ydd, 0.0, like)
+        error += first * grid.rate_error(parts.box, parts.bending, problem, view, 0.0, like)
     return error
 
 
@@ -236,7 +268,7 @@ def advance(parts, p, time, span, path, state, work):
             used = rest
         elif tolerance > 0.0 and used > 0.5 * rest:
             used = 0.5 * rest
-        status = _try_step(parts, problem, view, state, c, time, span, path, done, used)
+        status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
@@ -248,7 +280,7 @@ def advance(parts, p, time, span, path, state, work):
         if tolerance > 0.0:
             ratio = 0.25
             if state[header.STEPS] > 0.0:
-                error = _local_error(problem, view, c, used, like)
+                error = _local_error(parts, problem, view, c, used, like)
                 if error > 2.0 * allowed and used > SMALLEST_STEP * p[21]:
                     state[header.REJECTED] += 1.0
                     h = used * max(0.2, 0.8 * math.sqrt(allowed / error))
@@ -258,7 +290,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(view, used)
+        _accept(parts, view, used)
         state[header.STEP] = used
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status
@@ -282,7 +314,7 @@ def node_positions(parts, p, state, work, positions):
     at = _top_at(parts, state, 0)
     for i in range(n - 1, -1, -1):
         if i < n - 1:
-            at = axpy(-view.mesh[i, 0], load(view.y, i, at), at)
+            at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
         _spread(parts.space, at, state[header.TOP + 1], positions[i], 0)
 
 
@@ -292,31 +324,10 @@ def outputs(parts, p, state, work, out):
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
     c = coefficients(int(p[23]), p[22])
-    mesh = view.mesh
-    n = mesh.shape[0] + 1
     top = _top_at(parts, state, 0)
-    offset = (c.alpha_m - c.alpha_k) * state[header.STEP]
-    for i in range(n):
-        for k in range(len(top)):
-            view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
-    staggered_chain.tensions_now(parts.slack, view.force, view.force_old, c.alpha_k, view.scratch.cells)
-    largest = 0.0
-    smallest = 1e300
-    slack = 0.0
-    position = top
-    for i in range(n - 2, -1, -1):
-        t = view.scratch.cells[i, 0]
-        largest = max(largest, t)
-        smallest = min(smallest, t)
-        if t < 1e-3 * total_weight(parts, p):
-            slack += mesh[i, 0]
-        position = axpy(-mesh[i, 0], load(view.y, i, top), position)
-    end = staggered_chain.lower_end_tension(
-        parts.body, parts, problem, mesh, view.y, view.scratch.a, position, state[header.TIME], view.scratch.cells
+    force, t, position, velocity, end, largest, smallest, slack = grid.measure(
+        parts.box, parts, problem, p, view, c, state[header.STEP], top, state[header.TIME]
     )
-    force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, state[header.TIME], view.scratch)
-    q = load(view.y, n - 2, top)
-    t = scale(1.0 / norm(q), q)
     pulled = 0.0
     for k in range(len(top)):
         pulled -= force[k] * t[k]
@@ -324,7 +335,7 @@ def outputs(parts, p, state, work, out):
     out[3] = pulled
     out[4] = math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
     _spread(parts.space, position, state[header.TOP + 1], out, 5)
-    _spread(parts.space, load(view.y, n, top), 0.0, out, 8)
+    _spread(parts.space, velocity, 0.0, out, 8)
     out[11] = end
     out[12] = max(largest, pulled)
     out[13] = smallest

@@ -1,0 +1,23 @@
+"""The choice between two kernels by whether a part is present, made when numba compiles.
+
+numba drops the branch of `if part is None` only where the part is absent: where it is present both branches must still agree
+in their types.  A choice made here compiles one side only, so the two sides may return different things.
+"""
+
+from numba import types
+from numba.extending import overload
+
+
+def by_presence(absent, present):
+    """A function f(part, ...) that is `absent` where part is None and `present` otherwise."""
+
+    def choose(part, *args):
+        return absent(part, *args) if part is None else present(part, *args)
+
+    @overload(choose)
+    def _compiled(part, *args):
+        if isinstance(part, types.NoneType) or part is None:
+            return lambda part, *args: absent(part, *args)
+        return lambda part, *args: present(part, *args)
+
+    return choose

@@ -1,0 +1,211 @@
+"""What the chain asks of its grid, answered by the staggered or by the box one: the first argument, parts.box, decides.
+
+Each grid compiles its own side only.  A View is chain.View; positions and velocities are vectors of the chain's dimension.
+"""
+
+from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_step
+from cable_model.kernels.box_law import unknowns
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import total_weight
+from cable_model.kernels.vector import axpy, load, mix, norm, scale
+
+
+@kernel
+def _staggered_shape(box, bending, n, like):
+    return 2 * n, len(like), n - 1
+
+
+@kernel
+def _box_shape(box, bending, n, like):
+    return n, len(unknowns(bending)), 0
+
+
+shape = by_presence(_staggered_shape, _box_shape)  # rows and columns of Y, cells with a tension of their own
+
+
+@kernel
+def _staggered_scratch_size(box, bending, n, like):
+    return staggered_step.scratch_size(n, len(like))
+
+
+@kernel
+def _box_scratch_size(box, bending, n, like):
+    return max(box_step.scratch_size(n, len(unknowns(bending))), box_chain.statics_size(n))
+
+
+scratch_size = by_presence(_staggered_scratch_size, _box_scratch_size)
+
+
+@kernel
+def _staggered_scratch(box, bending, work, n, like):
+    return staggered_step.cut_scratch(work, n, like)
+
+
+@kernel
+def _box_scratch(box, bending, work, n, like):
+    return box_step.cut_scratch(work, n, unknowns(bending))
+
+
+cut_scratch = by_presence(_staggered_scratch, _box_scratch)
+
+
+@kernel
+def _staggered_places(box, anchor, problem, grading, mesh):
+    staggered_chain.place_nodes(anchor, problem, grading, mesh)
+
+
+@kernel
+def _box_places(box, anchor, problem, grading, mesh):
+    box_chain.place_nodes(problem, grading, mesh)
+
+
+place_nodes = by_presence(_staggered_places, _box_places)
+
+
+@kernel
+def _staggered_equilibrium(box, parts, problem, p, view, top, anchor, time):
+    return staggered_chain.equilibrium(
+        parts, problem, p, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force, top, anchor, time, view.scratch
+    )
+
+
+@kernel
+def _box_equilibrium(box, parts, problem, p, view, top, anchor, time):
+    return box_chain.equilibrium(parts, problem, p, view.mesh, view.y, view.yd, view.y1, view.yd1, top, anchor, time, view.scratch)
+
+
+equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
+
+
+@kernel
+def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, time):
+    status = staggered_chain.starting_rates(
+        parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force,
+        top, velocity, acceleration, time, p[21], view.scratch,
+    )  # fmt: skip
+    n = view.mesh.shape[0] + 1
+    for i in range(n - 1):
+        view.force_old[i] = view.force[i]
+    for k in range(len(top)):
+        view.y[n - 1, k] = top[k]
+    return status
+
+
+@kernel
+def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, time):
+    h = p[21] if p[24] == 0.0 else 0.01 * p[21]
+    return box_chain.starting_rates(
+        parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
+    )
+
+
+starting_rates = by_presence(_staggered_rates, _box_rates)
+
+
+@kernel
+def _staggered_step(box, parts, problem, view, last, c, time, h, before, after, velocity):
+    return staggered_step.newton_step(
+        parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
+        mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, view.y1, view.yd1, view.force, view.scratch,
+    )  # fmt: skip
+
+
+@kernel
+def _box_step(box, parts, problem, view, last, c, time, h, before, after, velocity):
+    return box_step.newton_step(
+        parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
+        before, velocity, view.y1, view.yd1, view.scratch,
+    )  # fmt: skip
+
+
+newton_step = by_presence(_staggered_step, _box_step)
+
+
+@kernel
+def _staggered_keep(box, view):
+    for i in range(view.force.shape[0]):
+        view.force_old[i] = view.force[i]
+    staggered_step.keep_tensions(view.force, view.scratch)
+
+
+@kernel
+def _box_keep(box, view):
+    return
+
+
+keep_tensions = by_presence(_staggered_keep, _box_keep)
+
+
+@kernel
+def _staggered_error(box, bending, problem, view, h, like):
+    return staggered_step.rate_error(problem, view.mesh, view.yd0, view.yd1, view.ydd, h, like)
+
+
+@kernel
+def _box_error(box, bending, problem, view, h, like):
+    return box_step.rate_error(bending, problem, view.mesh, view.yd0, view.yd1, view.ydd, h)
+
+
+rate_error = by_presence(_staggered_error, _box_error)
+
+
+@kernel
+def _staggered_held(box, inextensible, view, anchor):
+    return load(view.y, view.mesh.shape[0], anchor)
+
+
+@kernel
+def _box_held(box, inextensible, view, anchor):
+    return box_chain.anchored_top(anchor, inextensible, view.mesh, view.y)
+
+
+held_top = by_presence(_staggered_held, _box_held)  # where an anchored cable's own motion has brought its top
+
+
+@kernel
+def _staggered_vector(box, inextensible, view, i, like):
+    return load(view.y, i, like)
+
+
+@kernel
+def _box_vector(box, inextensible, view, i, like):
+    return box_chain.cell_vector(inextensible, view.y, i)
+
+
+cell_vector = by_presence(_staggered_vector, _box_vector)  # (1 + eps) t of a cell
+
+
+@kernel
+def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
+    mesh = view.mesh
+    n = mesh.shape[0] + 1
+    offset = (c.alpha_m - c.alpha_k) * last
+    for i in range(n):
+        for k in range(len(top)):
+            view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
+    staggered_chain.tensions_now(parts.slack, view.force, view.force_old, c.alpha_k, view.scratch.cells)
+    largest = 0.0
+    smallest = 1e300
+    slack = 0.0
+    position = top
+    for i in range(n - 2, -1, -1):
+        t = view.scratch.cells[i, 0]
+        largest = max(largest, t)
+        smallest = min(smallest, t)
+        if t < 1e-3 * total_weight(parts, p):
+            slack += mesh[i, 0]
+        position = axpy(-mesh[i, 0], load(view.y, i, top), position)
+    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, time, view.scratch.cells)
+    force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, time, view.scratch)
+    q = load(view.y, n - 2, top)
+    return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack
+
+
+@kernel
+def _box_measure(box, parts, problem, p, view, c, last, top, time):
+    offset = (c.alpha_m - c.alpha_k) * last
+    return box_chain.measure(parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p))
+
+
+measure = by_presence(_staggered_measure, _box_measure)
