@@ -7,6 +7,7 @@ come from the scene's data classes; only what FMI adds is written here.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -159,6 +160,7 @@ def _outputs() -> list[Variable]:
     return rows
 
 
+@functools.cache
 def _facts(name: str) -> tuple[type, dataclasses.Field]:
     """Type and field of the scene's value behind a parameter."""
     part, _, field = scene_name(name).partition(".")
@@ -166,36 +168,40 @@ def _facts(name: str) -> tuple[type, dataclasses.Field]:
     return typing.get_type_hints(holder)[field], next(f for f in dataclasses.fields(holder) if f.name == field)
 
 
-def _value(scene: Scene, name: str) -> float | int | bool | str:
+def _start(scene: Scene, name: str) -> float | int | bool:
+    """The value in a scene as FMI gives it: choices by their code; no water has density 0."""
     part, _, field = scene_name(name).partition(".")
     holder = getattr(scene, part)
-    return 0.0 if holder is None else getattr(holder, field)
+    value = 0.0 if holder is None else getattr(holder, field)
+    choices = _facts(name)[1].metadata["choices"]
+    return choices.index(value) if choices else value
 
 
 def _parameter(scene: Scene, name: str) -> Variable:
     kind, field = _facts(name)
     facts = field.metadata
-    value = _value(scene, name)
+    start = _start(scene, name)
     text = facts["description"]
     if name.startswith("tow."):
         text += " (TowCable only)"
     common = ("parameter", "fixed")
     if kind is bool:
-        return Variable(name, *common, "Boolean", "", text, value, scene_name=scene_name(name))
+        return Variable(name, *common, "Boolean", "", text, start, scene_name=scene_name(name))
     if kind is str:
         choices = facts["choices"]
         listed = ", ".join(f"{code} {choice}" for code, choice in enumerate(choices))
         return Variable(
-            name, *common, "Integer", "", f"{text}: {listed}", choices.index(value), 0, len(choices) - 1,
+            name, *common, "Integer", "", f"{text}: {listed}", start, 0, len(choices) - 1,
             scene_name=scene_name(name), choices=choices,
         )  # fmt: skip
     least = facts["least"] if facts["above"] is None else facts["above"]
     return Variable(
-        name, *common, "Integer" if kind is int else "Real", "" if kind is int else facts["unit"], text, value, least, facts["most"],
+        name, *common, "Integer" if kind is int else "Real", "" if kind is int else facts["unit"], text, start, least, facts["most"],
         minimum_excluded=facts["above"] is not None, scene_name=scene_name(name),
     )  # fmt: skip
 
 
+@functools.lru_cache(maxsize=8)
 def table(scene: Scene | None = None) -> tuple[Variable, ...]:
     """The interface, with the start values of a scene (None: the generic one); place = value reference = index in the XML - 1."""
     scene = generic_scene() if scene is None else scene
@@ -213,18 +219,21 @@ def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool
 
     Raises ParameterError for a name that is no parameter, a value that breaks its rule, and values that do not go together.
     """
-    changed = {}
+    changed: dict[str, float | int | bool | str] = {}
     for name, value in values.items():
         if name not in _PARAMETERS:
             raise unknown(name, _PARAMETERS, "parameter")
+        if value == (start := _start(base_scene, name)):
+            continue
         row = _parameter(base_scene, name)
         if row.choices:
             if value not in range(len(row.choices)):
                 raise refuse(name, value, "", f"a whole number from 0 to {len(row.choices) - 1}", f"Codes: {row.description}.")
-            value = row.choices[int(value)]
-        if value == _value(base_scene, name):
+            changed[row.scene_name] = row.choices[int(value)]
             continue
         if name.startswith("current.") and base_scene.current.levels:
-            raise refuse(name, value, row.unit, f"{row.start:g} where a table of the current is baked in", "Bake a scene without current.levels.")
+            raise refuse(
+                name, value, row.unit, f"{start:g} where a table of the current is baked in", "Bake a scene without current.levels."
+            )
         changed[row.scene_name] = value
-    return with_values(base_scene, changed)
+    return with_values(base_scene, changed) if changed else base_scene

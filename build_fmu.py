@@ -1,0 +1,186 @@
+"""Builds the FMUs: `python build_fmu.py` makes all into dist/, `python build_fmu.py SCENE.toml -o My.fmu` bakes a scene into one.
+
+The same input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import importlib
+import importlib.util
+import io
+import pprint
+import re
+import sys
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+from xml.etree.ElementTree import Element, indent, tostring
+
+import pythonfmu
+import typer
+from pythonfmu import FmuBuilder
+
+from cable_model import __version__
+from cable_model.errors import ParameterError
+from cable_model.models import MODELS
+from cable_model.scene import Scene, load
+from fmu_src.interface import generic_scene
+from fmu_src.model_description import osp_description
+from fmu_src.vendoring import Vendored, vendor
+
+HERE = Path(__file__).resolve().parent
+IDENTIFIERS = {"chain": "CableChain", "tow": "TowCable"}
+REQUIREMENTS = b"numpy>=2.0\nnumba>=0.61\nplatformdirs>=4\n"
+EPOCH = (1980, 1, 1, 0, 0, 0)
+_MODULES = ("fmu_src.slave",)
+
+_SCRIPT = '''"""The slave of this FMU, written by build_fmu.py."""
+
+import importlib
+from pathlib import Path
+
+import {staging} as staging
+from pythonfmu import Fmi2Slave  # noqa: F401 (pythonfmu looks for it)
+
+staging.keep(globals())  # pythonfmu gives this back once too often at every instantiation
+staging.load("{kernels}", Path(__file__).parent)
+staging.load("{package}", Path(__file__).parent)
+CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
+
+
+class {identifier}(CableSlave):
+    model_key = "{model}"
+    build_guid = "{guid}"
+    tool = "{tool}"
+    scene_values = {values}
+'''
+
+
+def scene_values(scene: Scene) -> dict[str, object]:
+    """The scene as nested tables that from_dict takes back unchanged."""
+    return {name: value for name, value in dataclasses.asdict(scene).items() if value is not None}
+
+
+def identifier_of(path: Path) -> str:
+    """A C identifier from a file's name."""
+    name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
+    return name if name[:1].isalpha() else f"Cable_{name}"
+
+
+def _guid(*facts: object) -> str:
+    digest = hashlib.sha256("\0".join(map(str, facts)).encode()).digest()
+    return "{" + str(uuid.UUID(bytes=digest[:16])) + "}"
+
+
+@contextlib.contextmanager
+def _imports_undone() -> Iterator[None]:
+    """Forget what pythonfmu's builder imports: it puts its folder first on the path and leaves it there."""
+    path, modules = list(sys.path), set(sys.modules)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        for name in set(sys.modules) - modules:
+            if name.startswith(("cable_fmu_", "cable_kernels_", "staging_", "slave_")):
+                del sys.modules[name]
+
+
+def _xml(root: Element) -> bytes:
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
+
+
+def _pack(source: Path, extra: dict[str, bytes], to: Path) -> None:
+    """Write an archive again: sorted, one date, no machine's traces; the folder appears with the file."""
+    with zipfile.ZipFile(source) as archive:
+        entries = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
+    entries |= extra
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
+            info = zipfile.ZipInfo(name, EPOCH)
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
+            archive.writestr(info, entries[name])
+    to.parent.mkdir(parents=True, exist_ok=True)
+    to.write_bytes(buffer.getvalue())
+
+
+def _write_resources(folder: Path, vendored: Vendored, identifier: str, model: str, scene: Scene, root: Path) -> Path:
+    """Everything that lies beside the slave's script, and the script."""
+    for name, content in vendored.files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    staging = (root / "fmu_src" / "staging.py").read_bytes()
+    staging_name = f"staging_{hashlib.sha256(staging).hexdigest()[:12]}"
+    (folder / f"{staging_name}.py").write_bytes(staging)
+    (folder / "requirements.txt").write_bytes(REQUIREMENTS)
+    values = pprint.pformat(scene_values(scene), sort_dicts=False, width=120)
+    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__)
+    text = _SCRIPT.format(
+        staging=staging_name, kernels=vendored.kernels, package=vendored.package, identifier=identifier, model=model,
+        guid=guid, tool=f"cable_fmu {__version__} with PythonFMU {pythonfmu.__version__}", values=values,
+    )  # fmt: skip
+    script = folder / f"slave_{guid[1:14].replace('-', '')}.py"
+    script.write_text(text, encoding="utf-8")
+    return script
+
+
+def build(model: str, scene: Scene, to: Path, root: Path = HERE) -> Path:
+    """Write the pythonfmu FMU of a model ("chain" or "tow") with a scene baked in; `root` holds the packages' sources."""
+    identifier = identifier_of(to)
+    with tempfile.TemporaryDirectory() as name, _imports_undone():
+        folder = Path(name) / "files"
+        folder.mkdir()
+        script = _write_resources(folder, vendor(root, _MODULES), identifier, model, scene, root)
+        others = [path for path in folder.iterdir() if path != script]
+        made = FmuBuilder.build_FMU(
+            script, dest=Path(name) / f"{identifier}.fmu", project_files=others,
+            needsExecutionTool=False, canGetAndSetFMUstate=True, canSerializeFMUstate=True,
+        )  # fmt: skip
+        _pack(made, {"resources/OspModelDescription.xml": _xml(osp_description())}, to)
+    to.with_name(f"{to.stem}_OspModelDescription.xml").write_bytes(_xml(osp_description()))
+    return to
+
+
+def build_native(dist: Path) -> list[Path]:
+    """The native FMUs, where their sources and a C compiler are there."""
+    if importlib.util.find_spec("fmu_src.native") is None or importlib.util.find_spec("fmu_src.native.build") is None:
+        return []
+    made: list[Path] = importlib.import_module("fmu_src.native.build").build_all(dist / "native")
+    return made
+
+
+def main(
+    scene: Annotated[str, typer.Argument(help="a scene file or the name of a shipped scene to bake in; none: build all into dist/")] = "",
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
+    model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
+    native: Annotated[bool, typer.Option(help="also build the native FMUs into dist/native")] = True,
+) -> None:
+    """Build the FMUs."""
+    try:
+        if scene:
+            baked = load(scene)
+            key = model or baked.run.model
+            if key not in MODELS:
+                raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
+            made = [build(key, baked, output or Path("dist") / f"{Path(scene).stem}.fmu")]
+        else:
+            dist = output or Path("dist")
+            made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu") for key in MODELS]
+            made += build_native(dist) if native else []
+    except ParameterError as error:
+        typer.echo(str(error), err=True)
+        raise typer.Exit(2) from None
+    for path in made:
+        typer.echo(f"{path}  {path.stat().st_size} bytes")
+
+
+if __name__ == "__main__":
+    typer.run(main)

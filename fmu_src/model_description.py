@@ -1,0 +1,128 @@
+"""The XML of an FMU, from the interface table alone: modelDescription.xml and OspModelDescription.xml.  No models, no pythonfmu."""
+
+from __future__ import annotations
+
+import datetime
+import os
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from cable_model import __version__
+from cable_model.scene import Scene
+from fmu_src.interface import Variable
+
+UNITS: dict[str, dict[str, int]] = {  # exponents of the SI base units
+    "1": {},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "N.m2": {"kg": 1, "m": 3, "s": -2},
+    "N.s": {"kg": 1, "m": 1, "s": -1},
+    "kg": {"kg": 1},
+    "kg/m": {"kg": 1, "m": -1},
+    "kg/m3": {"kg": 1, "m": -3},
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "m/s2": {"m": 1, "s": -2},
+    "m2": {"m": 2},
+    "m3": {"m": 3},
+    "rad": {"rad": 1},
+    "s": {"s": 1},
+}
+
+LOG_CATEGORIES = {
+    "logStatusWarning": "messages with the status warning",
+    "logStatusDiscard": "messages with the status discard",
+    "logStatusError": "messages with the status error",
+    "logStatusFatal": "messages with the status fatal",
+    "logAll": "all messages",
+}
+
+_INITIAL = {"input": None, "output": "calculated", "local": "calculated", "parameter": "exact"}
+_OSP_NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.0"
+
+
+def generation_date() -> str:
+    """SOURCE_DATE_EPOCH, or the first date that a zip archive can hold: the same input gives the same bytes."""
+    seconds = int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))
+    return datetime.datetime.fromtimestamp(seconds, datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def text(value: float | int | bool) -> str:
+    """A number as XML writes it; floats survive the way back."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
+def _scalar_variable(reference: int, row: Variable) -> Element:
+    facts = {"name": row.name, "valueReference": str(reference), "description": row.description}
+    facts |= {"causality": row.causality, "variability": row.variability}
+    if _INITIAL[row.causality] is not None:
+        facts["initial"] = str(_INITIAL[row.causality])
+    element = Element("ScalarVariable", facts)
+    kind = SubElement(element, row.kind)
+    if row.unit:
+        kind.set("unit", row.unit)
+    for attribute, value in (("min", row.minimum), ("max", row.maximum), ("nominal", row.nominal), ("start", row.start)):
+        if value is not None:
+            kind.set(attribute, text(value))
+    return element
+
+
+def _unit_definitions(rows: Sequence[Variable]) -> Element:
+    definitions = Element("UnitDefinitions")
+    for unit in sorted({row.unit for row in rows if row.unit}):
+        SubElement(SubElement(definitions, "Unit", name=unit), "BaseUnit", {base: str(power) for base, power in UNITS[unit].items()})
+    return definitions
+
+
+def _structure(rows: Sequence[Variable]) -> Element:
+    """Outputs depend on the state alone.  Before initialization ends, they depend on what was set before it began."""
+    structure = Element("ModelStructure")
+    for name in ("Outputs", "InitialUnknowns"):
+        unknowns = SubElement(structure, name)
+        for index, row in enumerate(rows, start=1):
+            if row.causality == "output":
+                SubElement(unknowns, "Unknown", index=str(index), dependencies="")
+    return structure
+
+
+def model_description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, description: str, tool: str) -> Element:
+    """modelDescription.xml of an FMI 2.0 co-simulation FMU with the interface `rows` and the default experiment of `scene`."""
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0", modelName=identifier, guid=guid, description=description, version=__version__, license="MIT",
+        generationTool=tool, generationDateAndTime=generation_date(), variableNamingConvention="structured",
+    )  # fmt: skip
+    SubElement(
+        root, "CoSimulation",
+        modelIdentifier=identifier, needsExecutionTool="false", canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="false", canBeInstantiatedOnlyOncePerProcess="false", canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true", canSerializeFMUstate="true",
+    )  # fmt: skip
+    root.append(_unit_definitions(rows))
+    categories = SubElement(root, "LogCategories")
+    for name, meaning in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=meaning)
+    SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=text(scene.run.duration), stepSize=text(scene.run.output_step))
+    variables = SubElement(root, "ModelVariables")
+    for reference, row in enumerate(rows):
+        variables.append(_scalar_variable(reference, row))
+    root.append(_structure(rows))
+    return root
+
+
+def osp_description() -> Element:
+    """OspModelDescription.xml [OSP-IS]: the attachment as a linear mechanical port, the body's place and velocity as groups."""
+    root = Element("OspModelDescription", xmlns=_OSP_NAMESPACE, version="1.0")
+    groups = SubElement(root, "VariableGroups")
+    port = SubElement(groups, "LinearMechanicalPort", name="top")
+    _group(port, "Force", "top.force", "top.force_")
+    _group(port, "LinearVelocity", "top.velocity", "top.v")
+    _group(groups, "LinearDisplacement", "top.position", "top.")
+    _group(groups, "LinearDisplacement", "body.position", "body.")
+    _group(groups, "LinearVelocity", "body.velocity", "body.v")
+    return root
+
+
+def _group(parent: Element, kind: str, name: str, prefix: str) -> None:
+    group = SubElement(parent, kind, name=name)
+    for axis in "xyz":
+        SubElement(group, "Variable", ref=prefix + axis)

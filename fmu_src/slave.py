@@ -1,0 +1,300 @@
+"""The pythonfmu slave of both FMUs: FMI calls onto a model.  No physics, and nothing that a host does may harm the host.
+
+pythonfmu 0.7.0 gives back references to the instance, its class and its log once too often after every exception, and prints log
+texts as printf formats; `_guarded` makes up for both.
+"""
+
+from __future__ import annotations
+
+import enum
+import functools
+import math
+import sys
+import time as clock
+import traceback
+import uuid
+import weakref
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from cable_model.effects import one_line
+from cable_model.errors import ParameterError, SolverError, refuse
+from cable_model.model import Model
+from cable_model.models import MODELS
+from cable_model.scene import Scene, from_dict
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.interface import Variable, scene_from_values, table
+from fmu_src.model_description import model_description
+from fmu_src.staging import keep
+from fmu_src.state import SavedState, StateError, pack, unpack
+
+_FIRST_OUTPUT = len(INPUTS)
+_CPU_TIME = _FIRST_OUTPUT + len(OUTPUTS)
+_EFFECTS = _CPU_TIME + 1
+_FIRST_PARAMETER = _EFFECTS + 1
+_INPUTS = range(_FIRST_OUTPUT)
+
+
+class Phase(enum.IntEnum):
+    """Where FMI's life of an instance is."""
+
+    INSTANTIATED = 0
+    INITIALIZING = 1
+    RUNNING = 2
+    FAILED = 3
+    TERMINATED = 4
+
+
+class CallError(RuntimeError):
+    """What a host is told: the text of any error, safe to be printed as a format."""
+
+
+def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Log what leaves the method, print its traceback to stderr (many hosts drop the log), and keep the host alive."""
+
+    @functools.wraps(method)
+    def call(self: CableSlave, *arguments: Any) -> Any:
+        try:
+            return method(self, *arguments)
+        except BaseException as error:
+            expected = isinstance(error, ParameterError | SolverError | StateError)
+            text = str(error) if expected else "".join(traceback.format_exception(error))
+            sys.stderr.write(f"{self.instance_name}: {method.__name__}: {traceback.format_exc()}\n")
+            self.log(text, Fmi2Status.error)
+            keep(self, type(self), self.log_queue)
+            raise CallError(text.replace("%", "%%")) from None
+
+    return call
+
+
+class CableSlave(Fmi2Slave):
+    """An FMU instance; subclasses name the model, the baked scene and the build."""
+
+    model_key: ClassVar[str] = "chain"
+    scene_values: ClassVar[dict[str, Any]] = {}
+    build_guid: ClassVar[str] = "{00000000-0000-0000-0000-000000000000}"
+    tool: ClassVar[str] = ""
+    _scene: ClassVar[Scene]
+    _alive: ClassVar[weakref.WeakSet[CableSlave]] = weakref.WeakSet()
+
+    def __init__(self, **arguments: Any) -> None:
+        super().__init__(**arguments)
+        self.modelName = type(self).__name__
+        self._base = self._baked()
+        self._rows = table(self._base)
+        self._real = self._starts("Real")
+        self._integer = self._starts("Integer")
+        self._boolean = self._starts("Boolean")
+        self._phase = Phase.INSTANTIATED
+        self._start_time = 0.0
+        self._inputs = np.zeros(len(INPUTS))
+        self._entered = np.zeros(len(INPUTS))
+        self._outdated = True
+        self._model: Model | None = None
+        self._alive.add(self)
+
+    @classmethod
+    def _baked(cls) -> Scene:
+        """The baked scene; it cannot be changed, so instances may have it in common."""
+        if "_scene" not in vars(cls):
+            cls._scene = from_dict(cls.scene_values)
+        return cls._scene
+
+    def _starts(self, kind: str) -> dict[int, Any]:
+        return {vr: 0.0 if row.start is None else row.start for vr, row in enumerate(self._rows) if row.kind == kind}
+
+    def log(self, msg: str, status: Fmi2Status = Fmi2Status.ok, category: str | None = None, debug: Any = None) -> None:
+        super().log(str(msg).replace("%", "%%"), status, category)
+
+    def to_xml(self, model_options: Any = None) -> Element:
+        description = f"{MODELS[self.model_key].__name__}: cable under a moving top end. {self._base.title}".strip()
+        return model_description(self.modelName, self.build_guid, self._rows, self._base, description, self.tool)
+
+    # -- life of an instance
+
+    @_guarded
+    def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
+        if not math.isfinite(start_time):
+            raise refuse("start time", float(start_time), "s", "finite", "Give the time at which the simulation starts.")
+        self._start_time = float(start_time)
+
+    @_guarded
+    def enter_initialization_mode(self) -> None:
+        self._phase = Phase.INITIALIZING
+        self._outdated = True
+        self._entered[:] = [self._real[vr] for vr in _INPUTS]
+
+    @_guarded
+    def exit_initialization_mode(self) -> None:
+        self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
+        self._phase = Phase.RUNNING
+        self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
+
+    @_guarded
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        if self._model is None or self._phase is not Phase.RUNNING:
+            raise refuse("instance", self._phase.name.lower(), "", "initialized and running", "Initialize, reset or restore it first.")
+        if not math.isfinite(current_time):
+            raise refuse("communication point", float(current_time), "s", "finite", "Give the time at which the step begins.")
+        begun = clock.thread_time()
+        self._inputs[:] = [self._real[vr] for vr in _INPUTS]
+        try:
+            self._model.step(current_time, step_size, self._inputs)
+        except SolverError:
+            self._phase = Phase.FAILED
+            raise
+        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), self._model.outputs.tolist(), strict=True))
+        self._real[_CPU_TIME] += clock.thread_time() - begun
+        return True
+
+    @_guarded
+    def terminate(self) -> None:
+        self._phase = Phase.TERMINATED
+
+    def _initialize(self, inputs: np.ndarray) -> None:
+        model = MODELS[self.model_key](scene_from_values(self._base, self._parameters()))
+        model.initialize(inputs, self._start_time)
+        self._model = model
+        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
+        self._outdated = False
+
+    def _parameters(self) -> dict[str, float | int | bool]:
+        known = {**self._real, **self._integer, **self._boolean}
+        return {self._rows[vr].name: known[vr] for vr in range(_FIRST_PARAMETER, len(self._rows))}
+
+    def _effects(self) -> str:
+        return "" if self._model is None else one_line(self._model.scene, self.model_key)
+
+    # -- values
+
+    def _preview(self) -> None:
+        """Outputs while initialization lasts: the equilibrium under the inputs from before it, so that they depend on no input."""
+        if self._phase is Phase.INITIALIZING and self._outdated:
+            self._initialize(self._entered)
+
+    def _known(self, values: dict[int, Any], vr: int, kind: str) -> Variable:
+        if vr not in values:
+            raise refuse("value reference", vr, "", f"of a {kind}", "Use the references of modelDescription.xml.")
+        return self._rows[vr]
+
+    def _get(self, values: dict[int, Any], kind: str, vrs: Sequence[int]) -> list[Any]:
+        self._preview()
+        for vr in vrs:
+            self._known(values, vr, kind)
+        return [values[vr] for vr in vrs]
+
+    def _set(self, values: dict[int, Any], kind: str, vrs: Sequence[int], new: Sequence[Any]) -> None:
+        for vr, value in zip(vrs, new, strict=True):
+            row = self._known(values, vr, kind)
+            shown = float(value) if kind == "Real" else value
+            if row.causality == "parameter":
+                if self._phase > Phase.INITIALIZING:
+                    raise refuse(row.name, shown, row.unit, "set before the end of initialization", "Reset the FMU first.")
+                self._outdated = True
+            elif row.causality != "input":
+                raise refuse(row.name, shown, row.unit, "left alone: it is calculated", "Set inputs and parameters only.")
+            values[vr] = value
+
+    @_guarded
+    def get_real(self, vrs: Sequence[int]) -> list[float]:
+        if self._phase is Phase.RUNNING:
+            values = self._real
+            try:
+                return [values[vr] for vr in vrs]
+            except KeyError:
+                pass
+        return self._get(self._real, "Real", vrs)
+
+    @_guarded
+    def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
+        known = self._real
+        for vr, value in zip(vrs, values, strict=True):
+            if vr in _INPUTS:
+                known[vr] = value
+            else:
+                self._set(known, "Real", (vr,), (value,))
+
+    @_guarded
+    def get_integer(self, vrs: Sequence[int]) -> list[int]:
+        return self._get(self._integer, "Integer", vrs)
+
+    @_guarded
+    def set_integer(self, vrs: Sequence[int], values: Sequence[int]) -> None:
+        self._set(self._integer, "Integer", vrs, values)
+
+    @_guarded
+    def get_boolean(self, vrs: Sequence[int]) -> list[bool]:
+        return self._get(self._boolean, "Boolean", vrs)
+
+    @_guarded
+    def set_boolean(self, vrs: Sequence[int], values: Sequence[bool]) -> None:
+        self._set(self._boolean, "Boolean", vrs, values)
+
+    @_guarded
+    def get_string(self, vrs: Sequence[int]) -> list[str]:
+        self._preview()
+        return self._get({_EFFECTS: self._effects()}, "String", vrs)
+
+    @_guarded
+    def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
+        self._set({_EFFECTS: ""}, "String", vrs, values)
+
+    # -- complete state
+
+    @classmethod
+    def _build(cls) -> bytes:
+        return uuid.UUID(cls.build_guid).bytes
+
+    @_guarded
+    def _get_fmu_state(self) -> bytes:
+        parameters = np.array([float(value) for value in self._parameters().values()])
+        numbers = np.array([self._start_time, *self._entered, *(self._real[vr] for vr in range(_EFFECTS))])
+        model = np.zeros(0) if self._model is None else self._model.state
+        return pack(SavedState(self._phase, numbers, parameters, model), self._build())
+
+    @_guarded
+    def _set_fmu_state(self, state: bytes) -> None:
+        saved = unpack(state, self._build())
+        values = dict(zip(range(_FIRST_PARAMETER, len(self._rows)), saved.parameters.tolist(), strict=True))
+        kept = {kind: self._of_kind(values, kind) for kind in ("Real", "Integer", "Boolean")}
+        model = None
+        if len(saved.model):
+            named = {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()}
+            model = self._model
+            if model is None or named != self._parameters():
+                model = MODELS[self.model_key](scene_from_values(self._base, named))
+            model.state[:] = saved.model
+        start, entered, reals = np.split(saved.numbers, [1, 1 + len(INPUTS)])
+        self._phase = Phase(saved.phase)
+        self._start_time = float(start[0])
+        self._entered[:] = entered
+        self._outdated = True
+        self._real |= dict(enumerate(reals.tolist())) | kept["Real"]
+        self._integer |= kept["Integer"]
+        self._boolean |= kept["Boolean"]
+        self._model = model
+
+    def _of_kind(self, values: dict[int, float], kind: str) -> dict[int, Any]:
+        python = {"Real": float, "Integer": int, "Boolean": bool}[kind]
+        return {vr: python(value) for vr, value in values.items() if self._rows[vr].kind == kind}
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @classmethod
+    def _fmu_state_from_bytes(cls, data: bytes) -> bytes:
+        try:
+            unpack(data, cls._build())
+        except StateError as error:
+            sys.stderr.write(traceback.format_exc() + "\n")
+            for instance in cls._alive:  # the wrapper does not say whose call this is
+                if type(instance) is cls:
+                    keep(instance, cls, instance.log_queue)
+            raise CallError(str(error)) from None
+        return data

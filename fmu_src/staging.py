@@ -1,0 +1,77 @@
+"""Importing a vendored package from a folder named by its content, so that compiled kernels are found again at the next unzip.
+
+Copied into each FMU under a name of its own.  It imports nothing of ours and holds no state.
+"""
+
+import ctypes
+import hashlib
+import importlib.metadata
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+from types import ModuleType
+
+_ANY_TIME = 1_000_000_000  # numba's cache asks for the time of a source file: the same content, the same time
+
+
+def _key(folder: Path) -> str:
+    """Hash of the Python files in a folder, numba's version and Python's."""
+    digest = hashlib.sha256(f"{importlib.metadata.version('numba')} {sys.implementation.cache_tag} {sys.version_info}".encode())
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:20]
+
+
+def _copy(folder: Path, to: Path) -> None:
+    """Copy the Python files; the folder appears complete or not at all."""
+    to.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(dir=to.parent, prefix="new-"))
+    try:
+        shutil.copytree(folder, made / folder.name, ignore=shutil.ignore_patterns("__pycache__"))
+        for path in (made / folder.name).rglob("*.py"):
+            os.utime(path, (_ANY_TIME, _ANY_TIME))
+        os.rename(made, to)
+    except OSError:
+        shutil.rmtree(made, ignore_errors=True)
+        if not (to / folder.name).is_dir():
+            raise
+
+
+def staged(folder: Path) -> Path:
+    """A lasting copy of a package's folder in the user's cache; the folder itself where that is read-only."""
+    try:
+        import platformdirs
+
+        to = Path(platformdirs.user_cache_dir("cable_fmu")) / "staged" / _key(folder)
+        if not (to / folder.name).is_dir():
+            _copy(folder, to)
+        return to / folder.name
+    except (OSError, ImportError, RuntimeError):
+        return folder
+
+
+def load(package: str, resources: Path) -> ModuleType:
+    """Import a package that lies in the folder `resources`, from its staged copy; its name holds its hash, so it is loaded once."""
+    if package in sys.modules:
+        return sys.modules[package]
+    folder = staged(resources / package)
+    spec = importlib.util.spec_from_file_location(package, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    if spec is None or spec.loader is None:
+        raise ImportError(f"{package}: not found in {resources}")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[package] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[package]
+        raise
+    return module
+
+
+def keep(*objects: object) -> None:
+    """Take a reference to each object that is never given back: pythonfmu's wrapper gives one back too many."""
+    for each in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(each))

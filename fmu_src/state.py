@@ -1,0 +1,58 @@
+"""The bytes of a saved FMU state: a head with magic, version, build and lengths, then numbers, then a checksum.  No pickle."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+_MAGIC = b"CABLEFMU"
+_VERSION = 1
+_HEAD = struct.Struct("<8sI16sIIII")  # magic, version, build, phase, fixed numbers, parameters, model state
+_CHECK = struct.Struct("<I")
+
+
+class StateError(ValueError):
+    """Bytes that are no state of this FMU; the text says why."""
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """Everything that a slave is: `numbers` are times, inputs and outputs, `parameters` all parameters, `model` the model's state."""
+
+    phase: int
+    numbers: np.ndarray
+    parameters: np.ndarray
+    model: np.ndarray
+
+
+def pack(saved: SavedState, build: bytes) -> bytes:
+    """The state as bytes; `build` (16 bytes) says which FMU it belongs to."""
+    parts = (saved.numbers, saved.parameters, saved.model)
+    head = _HEAD.pack(_MAGIC, _VERSION, build, saved.phase, *(len(part) for part in parts))
+    body = head + b"".join(np.ascontiguousarray(part, dtype="<f8").tobytes() for part in parts)
+    return body + _CHECK.pack(zlib.crc32(body))
+
+
+def unpack(data: bytes, build: bytes) -> SavedState:
+    """The state from bytes.  Raises StateError where they are cut, changed, or of another FMU or version."""
+    advice = "Restore only what the same FMU has saved."
+    if not isinstance(data, bytes) or data[: len(_MAGIC)] != _MAGIC:
+        raise StateError(f"saved state: must begin with {_MAGIC.decode()}. {advice}")
+    if len(data) < _HEAD.size + _CHECK.size:
+        raise StateError(f"saved state = {len(data)} bytes: must be at least {_HEAD.size + _CHECK.size}. {advice}")
+    _, version, owner, phase, *lengths = _HEAD.unpack_from(data)
+    if version != _VERSION:
+        raise StateError(f"saved state version = {version}: must be {_VERSION}. {advice}")
+    expected = _HEAD.size + 8 * sum(lengths) + _CHECK.size
+    if len(data) != expected:
+        raise StateError(f"saved state = {len(data)} bytes: must be {expected}. {advice}")
+    if _CHECK.unpack_from(data, expected - _CHECK.size)[0] != zlib.crc32(data[: -_CHECK.size]):
+        raise StateError(f"saved state: must have its checksum. It was changed; {advice[0].lower()}{advice[1:]}")
+    if owner != build:
+        raise StateError(f"saved state: must be of this build of the FMU. {advice}")
+    numbers = np.frombuffer(data, dtype="<f8", count=sum(lengths), offset=_HEAD.size).astype(np.float64)
+    first, second = lengths[0], lengths[0] + lengths[1]
+    return SavedState(phase, numbers[:first], numbers[first:second], numbers[second:])
