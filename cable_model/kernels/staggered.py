@@ -5,8 +5,11 @@ q = (r_(i+1) - r_i)/h and the node velocities v.  q is linear in v, so v is the 
 
     R_i = inertia_i - f_i + f_(i-1) - loads_i = 0,      f = T t + N g/(l h):  the force that cell i exerts on node i
 
-l = |q|, t = q/l, T the tension, N = I - t t, g the gradient of the bending energy by t.  Inertia of a cell is shared at
-its split b (the travel-time midpoint) with weights b - 1/12, 1/12, 1 - b - 1/12: fourth-order dispersion on smooth meshes.
+T the tension, N = I - t t, g the gradient of the bending energy by the tangent t.  All is taken at the averaged time of the
+step, and so is the stretch l: the average of the lengths, not the length of the average, along t = q/l.  A cell that turns far
+within a step then keeps its length, and with alpha_k = 1/2 the work of T is exactly the change of the strain energy.
+Inertia of a cell is shared at its split b (the travel-time midpoint) with weights b - 1/12, 1/12, 1 - b - 1/12:
+fourth-order dispersion on smooth meshes.
 """
 
 import math
@@ -22,12 +25,15 @@ from cable_model.kernels.vector import (
     diagonal,
     dot,
     load,
+    load_from,
     mix,
     multiply,
+    norm,
     outer,
     scale,
     scale_matrix,
     store,
+    store_from,
     store_matrix,
     sub,
     upward,
@@ -65,6 +71,14 @@ def constitutive(slack, smoothing, f, force):
 
 
 @kernel
+def shortfall(slack, cells, i):
+    """What the averaged strain of a cell leaves out of the strain before the step, where that was deep in slack."""
+    if slack is None:
+        return 0.0
+    return cells[i, cells.shape[1] - 1]
+
+
+@kernel
 def step_tension(slack, force, change):
     """Tension after a Newton change; with slack it stays positive.  Also whether the change was cut."""
     if slack is None:
@@ -75,16 +89,18 @@ def step_tension(slack, force, change):
 
 
 @kernel
-def _element_water(water, parts, medium, cable, h, split, t, stretch, position, speed, low, up, time, gains):
+def _element_water(water, parts, medium, cable, h, split, q, position, speed, low, up, time, gains):
     """Added mass, Froude-Krylov force and drag of a cell.
 
     Returns residual shares of the lower and the upper node, their derivatives by q, by the cell's velocity and by its
     position, and the cell's inertia matrix per unit acceleration and length.
     """
-    inertia = diagonal(cable.mass, t)
-    none = diagonal(0.0, t)
+    inertia = diagonal(cable.mass, q)
+    none = diagonal(0.0, q)
     if water is None:
-        return zero(t), zero(t), none, none, none, none, inertia
+        return zero(q), zero(q), none, none, none, none, inertia
+    stretch = norm(q)
+    t = scale(1.0 / stretch, q)
     flow, flow_rate, flow_gradient = water_motion(parts.current, parts.waves, position, time)
     normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, outer(t, t)))
     inertia = add_matrix(inertia, scale_matrix(medium.added_mass, normal))
@@ -121,8 +137,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
 
     The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
     Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
-    gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.  cells (>=n-1, 2D+3), a row each: tension (read), then
-    written: its pending change at fixed velocities, the stretch, the tangent, and the derivative of the tension by v_up - v_low.
+    gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
+    cells (>=n-1, 2D+4), a row each: the tension, its pending change at fixed velocities (written), the averaged stretch, the
+    unit tangent at the new time, the derivative of the tension by v_up - v_low (written), the shortfall.
     """
     cable, medium, body, numeric = problem
     n = v.shape[0]
@@ -140,27 +157,27 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         a_low = load(a, i, like)
         middle = axpy(-0.5 * h, qi, position)
         position = axpy(-h, qi, position)
-        l2 = dot(qi, qi)
-        stretch = math.sqrt(l2)
+        stretch = cells[i, 2]
         inv = 1.0 / stretch
         t = scale(inv, qi)
+        t_new = load_from(cells, i, 3, like)
         dv = scale(1.0 / h, sub(v_up, v_low))
         rate = dot(dv, t)
         damping = numeric.voigt + numeric.damping * h
         force = cells[i, 0]
-        slope, misfit = constitutive(parts.slack, numeric.smoothing, cable.stiffness * (stretch - 1.0) + damping * rate, force)
-        along = scale(slope * (gains.q * cable.stiffness + gains.v * damping) / h, t)
-        along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t, dv), along)
+        strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
+        slope, misfit = constitutive(parts.slack, numeric.smoothing, cable.stiffness * strain + damping * rate, force)
+        along = mix(slope * gains.q * cable.stiffness / h, t_new, slope * gains.v * damping / h, t)
+        along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
         pending = gains.law * slope * misfit
         pull = scale(force + pending, t)
-        tt = outer(t, t)
         firm = force * inv * gains.q / h
-        k = add_matrix(outer(t, along), add_matrix(diagonal(firm, like), scale_matrix(-firm, tt)))
+        k = add_matrix(outer(t, along), add_matrix(diagonal(firm, like), scale_matrix(-firm, outer(t, t_new))))
         low = mix(split - SHARE, a_low, SHARE, a_up)
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
         speed = mix(0.5, v_low, 0.5, v_up)
         low_w, up_w, low_q, up_q, low_v, up_v, inertia = _element_water(
-            parts.water, parts, medium, cable, h, split, t, stretch, middle, speed, low, up, time, gains
+            parts.water, parts, medium, cable, h, split, qi, middle, speed, low, up, time, gains
         )
         down = upward(-cable.weight * h, like)
         low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(low_w, pull)))
@@ -178,10 +195,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
         carry_r = low_r
         cells[i, 1] = pending
-        cells[i, 2] = stretch
-        for k in range(len(like)):
-            cells[i, 3 + k] = t[k]
-            cells[i, 3 + len(like) + k] = along[k]
+        store_from(cells, i, 3 + len(like), along)
         v_up = v_low
         a_up = a_low
     end_r, end_d = lower_end_terms(parts.body, parts, body, cable, gains, position, v_up, a_up, time)
@@ -190,7 +204,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
     store(x, lowest, scale(-1.0, add(carry_r, end_r)))
     x[lowest, 0] += numeric.pull
-    _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, cells, like)
+    _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, like)
 
 
 @kernel
@@ -225,7 +239,7 @@ def _curl(x, t, inv):
 
 
 @kernel
-def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, cells, like):
+def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
     """Shear from the bending energy EI |t_(i+1) - t_i|^2/(2 h_node) of every inner node; ends carry no moment."""
     if bending is None:
         return
@@ -234,10 +248,12 @@ def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, cells, li
     for j in range(lowest + 1, n - 1):  # inner node j between cells j-1 (low) and j (up)
         low = j - 1
         kappa = stiffness / ((1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[j, 1] * mesh[j, 0])
-        i0 = 1.0 / cells[low, 2]
-        i1 = 1.0 / cells[j, 2]
-        t0 = scale(i0, load(q, low, like))
-        t1 = scale(i1, load(q, j, like))
+        q0 = load(q, low, like)
+        q1 = load(q, j, like)
+        i0 = 1.0 / norm(q0)
+        i1 = 1.0 / norm(q1)
+        t0 = scale(i0, q0)
+        t1 = scale(i1, q1)
         h0 = 1.0 / mesh[low, 0]
         h1 = 1.0 / mesh[j, 0]
         # gradient by q of the energy: N g / l with g0 = -kappa t1 on the low cell, g1 = -kappa t0 on the upper one

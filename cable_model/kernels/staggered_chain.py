@@ -9,7 +9,7 @@ from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import Cable, body_weight, total_weight
 from cable_model.kernels.staggered import assemble, lower_end_terms
 from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
-from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
+from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
 
@@ -152,7 +152,7 @@ def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, a
 
 
 @kernel
-def tensions_now(slack, force, force_old, ahead, cells):
+def tensions_now(slack, problem, y, force, force_old, ahead, top, cells):
     """Tensions at the new time into cells[:, 0], from those at the averaged times of the last two steps.
 
     They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
@@ -160,7 +160,10 @@ def tensions_now(slack, force, force_old, ahead, cells):
     for i in range(force.shape[0]):
         cells[i, 0] = force[i] + ahead * (force[i] - force_old[i])
         if slack is not None:
-            cells[i, 0] = max(cells[i, 0], 0.0)
+            cells[i, 0] = max(cells[i, 0], 1e-9 * problem.numeric.smoothing)
+        q = load(y, i, top)
+        cells[i, 2] = norm(q)
+        store_from(cells, i, 3, scale(1.0 / cells[i, 2], q))
 
 
 @kernel

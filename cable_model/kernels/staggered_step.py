@@ -10,11 +10,12 @@ from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.staggered import assemble, prescribe_ends, step_tension
-from cable_model.kernels.vector import axpy, dot, load, mix, scale, store, sub
+from cable_model.kernels.vector import axpy, dot, load, load_from, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
 DIVERGED = -1
 NOT_CONVERGED = -2
+SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in slack
 
 
 class Numeric(NamedTuple):
@@ -56,11 +57,12 @@ class Scratch(NamedTuple):
     x: object
     bands: object
     cells: object
+    length: object  # stretch of the cells before the step
 
 
 @kernel
 def scratch_size(n, dimension):
-    return n * (6 * dimension + 3) + 5 * n * dimension * dimension
+    return n * (6 * dimension + 5) + 5 * n * dimension * dimension
 
 
 @kernel
@@ -73,7 +75,8 @@ def cut_scratch(work, n, like):
         work[2 * m : 3 * m].reshape((n, d)),
         work[3 * m : 4 * m].reshape((n, d)),
         work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
-        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (2 * d + 3)].reshape((n, 2 * d + 3)),
+        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (2 * d + 4)].reshape((n, 2 * d + 4)),
+        work[4 * m + 5 * m * d + n * (2 * d + 4) : 4 * m + 5 * m * d + n * (2 * d + 5)],
     )
 
 
@@ -100,6 +103,8 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     _hold_anchor(parts.anchor, y1, n, like)
     for i in range(n - 1):
         s.cells[i, 0] = force[i]
+        s.length[i] = norm(load(y0, i, like))
+    _forget_slack(parts.slack, problem, c.alpha_k, s)
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
@@ -111,7 +116,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
             for k in range(len(like)):
                 dv = s.x[i, k]
                 y1[n + i, k] += dv
-                if not abs(dv) <= change:
+                if change == change and not abs(dv) <= change:  # a NaN stays
                     change = abs(dv)
         if not change < 1e12:
             return DIVERGED
@@ -126,12 +131,24 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
 
 
 @kernel
+def _forget_slack(slack, problem, alpha_k, s):
+    """A cell that was slack counts as just straight in the averaged strain.
+
+    Else it could overshoot unopposed until its average is taut, and so gain strain energy from nothing.
+    """
+    if slack is None:
+        return
+    least = 1.0 - SLACK_MARGIN * problem.numeric.smoothing / problem.cable.stiffness
+    last = s.cells.shape[1] - 1
+    for i in range(s.length.shape[0] - 1):
+        s.cells[i, last] = alpha_k * max(least - s.length[i], 0.0)
+
+
+@kernel
 def _update_tensions(slack, cells, x, n, like):
     cut = False
     for i in range(n - 1):
-        change = cells[i, 1]
-        for k in range(len(like)):
-            change += cells[i, 3 + len(like) + k] * (x[i + 1, k] - x[i, k])
+        change = cells[i, 1] + dot(load_from(cells, i, 3 + len(like), like), sub(load(x, i + 1, like), load(x, i, like)))
         cells[i, 0], limited = step_tension(slack, cells[i, 0], change)
         cut = cut or limited
     return cut
@@ -162,6 +179,9 @@ def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like
             qd1 = mix(rate_new / mesh[i, 0], sub(up, low), -rate_old, qd0)
             q1 = axpy(h, mix(1.0 - c.gamma, qd0, c.gamma, qd1), q0)
             store(s.q, i, mix(1.0 - c.alpha_k, q1, c.alpha_k, q0))
+            length = norm(q1)
+            s.cells[i, 2] = (1.0 - c.alpha_k) * length + c.alpha_k * s.length[i]
+            store_from(s.cells, i, 3, scale(1.0 / length, q1))
             low = up
 
 

@@ -26,6 +26,22 @@ def store(array, i, a):
 
 
 @kernel
+def load_from(array, i, j, like):
+    """The D-vector that begins at column j of row i."""
+    if len(like) == 2:
+        return (array[i, j], array[i, j + 1])
+    return (array[i, j], array[i, j + 1], array[i, j + 2])
+
+
+@kernel
+def store_from(array, i, j, a):
+    array[i, j] = a[0]
+    array[i, j + 1] = a[1]
+    if len(a) == 3:
+        array[i, j + 2] = a[2]
+
+
+@kernel
 def zero(like):
     if len(like) == 2:
         return (0.0, 0.0)
