@@ -3,8 +3,13 @@
 `path` is (6, 3): coefficients of s^0 ... s^5 with s = (t - t_start)/H.
 """
 
+import math
+
 from cable_model.kernels.header import INPUT, INPUT_STEP, TOP
 from cable_model.kernels.jit import kernel
+
+INPUT_STEP_2 = 28  # in the header's spare places: sizes of the steps before the last one, s; 0 where there was none
+INPUT_STEP_3 = 29
 
 
 @kernel
@@ -36,51 +41,86 @@ def evaluate(path, h, s, k):
 
 
 @kernel
+def _differences(state, inputs, first, k):
+    """Divided differences of order 0 to 3 of axis k over this input and up to three before it; 0 where there are too few."""
+    h1 = state[INPUT_STEP]
+    h2 = state[INPUT_STEP_2]
+    h3 = state[INPUT_STEP_3]
+    f0 = inputs[first + k]
+    f1 = state[INPUT + k]
+    f2 = state[INPUT + 3 + k]
+    f3 = state[INPUT + 6 + k]
+    d1 = 0.0
+    d2 = 0.0
+    d3 = 0.0
+    if h1 > 0.0:
+        d1 = (f0 - f1) / h1
+    if h2 > 0.0:
+        before = (f1 - f2) / h2
+        d2 = (d1 - before) / (h1 + h2)
+        if h3 > 0.0:
+            d3 = (d2 - (before - (f2 - f3) / h3) / (h2 + h3)) / (h1 + h2 + h3)
+    return f0, d1, d2, d3
+
+
+@kernel
+def _smoothness(state, inputs, first, low, factor, h):
+    """1 where the differences of a signal fall with their order, down to 0 at noise and jumps, which must not be extrapolated."""
+    rough = 0.0
+    plain = 0.0
+    for k in range(3):
+        differences = _differences(state, inputs, first, k)
+        plain += differences[low] ** 2
+        rough += differences[low + 1] ** 2
+    if rough == 0.0:
+        return 1.0
+    ratio = factor * h * math.sqrt(rough)
+    plain = math.sqrt(plain)
+    return 1.0 - (ratio / plain) ** 8 if ratio < plain else 0.0
+
+
+@kernel
 def predict(order, state, inputs, h, end):
     """Where the top will be at the end of a step of h, into `end` (9,), from the inputs (9,) at its start.
 
-    order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  What is not given is estimated from the
-    last inputs, so that position, velocity and acceleration are right to h^3, h^2 and h for smooth motion.
+    order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  The highest that is given is extrapolated by
+    the polynomial through its last values (Newton's divided differences; cubic for positions, parabola for velocities, line for
+    accelerations), by one degree less where they are not smooth.  Then position, velocity and acceleration are right to h^4, h^3 and h^2.
     """
-    last = state[INPUT_STEP]
+    first = 3 * order
+    a = state[INPUT_STEP]
+    b = a + state[INPUT_STEP_2]
+    smooth = _smoothness(state, inputs, first, 2 - order, 3.0 - order, h)
     for k in range(3):
+        f, d1, d2, d3 = _differences(state, inputs, first, k)
         p = inputs[k]
-        v = inputs[3 + k]
-        a = inputs[6 + k]
         if order == 0:
-            v = 0.0
-            a = 0.0
-            if last > 0.0:
-                # state[INPUT + 3 ...] holds the mean velocity over the step before
-                mean = (p - state[INPUT + k]) / last
-                a = 0.0
-                if state[INPUT + 6 + k] > 0.0:
-                    before = state[INPUT + 6 + k]
-                    a = 2.0 * (mean - state[INPUT + 3 + k]) / (last + before)
-                v = mean + 0.5 * last * a
+            d3 *= smooth
+            end[k] = f + h * (d1 + (h + a) * (d2 + (h + b) * d3))
+            end[3 + k] = d1 + (2.0 * h + a) * d2 + (3.0 * h * h + 2.0 * (a + b) * h + a * b) * d3
+            end[6 + k] = 2.0 * d2 + (6.0 * h + 2.0 * (a + b)) * d3
         elif order == 1:
-            a = 0.0
-            if last > 0.0:
-                a = (v - state[INPUT + 3 + k]) / last
-        end[k] = p + h * (v + 0.5 * h * a)
-        end[3 + k] = v + h * a
-        end[6 + k] = a
+            d2 *= smooth
+            end[k] = p + h * (f + 0.5 * h * (d1 + a * d2) + h * h / 3.0 * d2)
+            end[3 + k] = f + h * (d1 + (h + a) * d2)
+            end[6 + k] = d1 + (2.0 * h + a) * d2
+        else:
+            d1 *= smooth
+            v = inputs[3 + k]
+            end[k] = p + h * (v + 0.5 * h * (f + h / 3.0 * d1))
+            end[3 + k] = v + h * (f + 0.5 * h * d1)
+            end[6 + k] = f + h * d1
 
 
 @kernel
 def remember(order, state, inputs, h):
-    """Keep what `predict` needs of these inputs for the next step, and where the top now is."""
-    last = state[INPUT_STEP]
+    """Keep what `predict` needs of these inputs for the next steps: the highest that is given, now and at the two steps before."""
     for k in range(3):
-        if order == 0:
-            if last > 0.0:
-                state[INPUT + 3 + k] = (inputs[k] - state[INPUT + k]) / last
-                state[INPUT + 6 + k] = last
-            state[INPUT + k] = inputs[k]
-        else:
-            state[INPUT + k] = inputs[k]
-            state[INPUT + 3 + k] = inputs[3 + k]
-            state[INPUT + 6 + k] = inputs[6 + k]
+        state[INPUT + 6 + k] = state[INPUT + 3 + k]
+        state[INPUT + 3 + k] = state[INPUT + k]
+        state[INPUT + k] = inputs[3 * order + k]
+    state[INPUT_STEP_3] = state[INPUT_STEP_2]
+    state[INPUT_STEP_2] = state[INPUT_STEP]
     state[INPUT_STEP] = h
 
 
@@ -97,3 +137,5 @@ def start_top(order, state, inputs):
         for k in range(3):
             state[TOP + 3 + k] = 0.0
     state[INPUT_STEP] = 0.0
+    state[INPUT_STEP_2] = 0.0
+    state[INPUT_STEP_3] = 0.0
