@@ -11,6 +11,7 @@ from cable_model.kernels import header, top
 from cable_model.scene import Scene, numbers_of, parts_of
 from cable_model.signals import INPUTS, OUTPUTS
 
+FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
     header.NOT_FINITE: "the solution is not finite",
@@ -59,12 +60,13 @@ class Model:
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
         """One communication step from `time`, with inputs (9,) held as FMI holds them: their values at the start of the step.
 
-        The top moves on by extrapolation of the order top.motion_order; what it was off by at the start is removed smoothly.
+        The top moves on by extrapolation, see kernels.top.predict; what it was off by at the start is removed smoothly.
         """
         inputs = self._finite(inputs)
         if not step > 0.0 or not np.isfinite(step):
-            raise refuse("communication step", float(step), "s", "> 0", "Give a positive step.")
+            raise refuse("communication step", float(step), "s", "finite and > 0", "Give a positive step.")
         order = self.scene.top.motion_order
+        step = float(step)
         top.predict(order, self.state, inputs, step, self._end)
         top.quintic(self.state[header.TOP : header.TOP + 9], self._end, step, self._path)
         self._follow(time, step)
@@ -85,7 +87,10 @@ class Model:
         return self.scene.solver.nodes
 
     def _follow(self, time: float, step: float) -> None:
-        self._must(self.kernels.advance(self.parts, self.numbers, time, step, self._path, self.state, self._work), time)
+        speed = top.mean_speed(self._path, step)
+        if speed > FASTEST_TOP:
+            raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
+        self._must(self.kernels.advance(self.parts, self.numbers, float(time), float(step), self._path, self.state, self._work), time)
         self._read_outputs(time)
 
     def _read_outputs(self, time: float) -> None:
@@ -108,7 +113,7 @@ class Model:
         inputs = np.ascontiguousarray(inputs, dtype=np.float64)
         if inputs.shape != (len(INPUTS),):
             raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top.")
-        for name, value in zip(INPUTS, inputs, strict=True):
-            if not np.isfinite(value):
-                raise refuse(name, float(value), "", "finite", "Check what is connected to this input.")
+        if not np.isfinite(inputs).all():
+            first = int(np.argmin(np.isfinite(inputs)))
+            raise refuse(INPUTS[first], float(inputs[first]), "", "finite", "Check what is connected to this input.")
         return inputs

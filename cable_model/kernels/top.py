@@ -41,6 +41,15 @@ def evaluate(path, h, s, k):
 
 
 @kernel
+def mean_speed(path, h):
+    """Distance between the ends of a path over the time h between them."""
+    square = 0.0
+    for k in range(3):
+        square += (path[1, k] + path[2, k] + path[3, k] + path[4, k] + path[5, k]) ** 2
+    return math.sqrt(square) / h
+
+
+@kernel
 def _differences(state, inputs, first, k):
     """Divided differences of order 0 to 3 of axis k over this input and up to three before it; 0 where there are too few."""
     h1 = state[INPUT_STEP]
