@@ -185,7 +185,7 @@ def advance(parts, p, time, h, path, state, work):
     j = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     fresh = True
     while elapsed < h:
-        goal = h * piece / pieces
+        goal = h if piece >= pieces else h * piece / pieces
         left = goal - elapsed
         size = left if wanted >= left * (1.0 - 1e-9) else (0.5 * left if wanted > 0.5 * left else wanted)
         if fresh and not explicit:
