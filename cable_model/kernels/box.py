@@ -21,21 +21,21 @@ from cable_model.kernels.jit import kernel
 
 
 @kernel
-def _put(block, row, column, size, mean, difference):
+def _put(row, column, size, mean, difference):
     """Derivatives of a row by the mean (over the cell) and the difference of an unknown, as those by the lower and upper node's."""
-    block[row, column] = mean - difference
-    block[row, size + column] = mean + difference
+    row[column] = mean - difference
+    row[size + column] = mean + difference
 
 
 @kernel
-def _put_turn(bending, block, row, size, mean, weight, h):
+def _put_turn(bending, row, size, mean, weight, h):
     """The derivative of a row by phi, and by Omega through the cell's turn (Omega h, or without bending phi's difference)."""
     column = size // 3 + 2
     if bending is None:
-        _put(block, row, column, size, mean, weight)
+        _put(row, column, size, mean, weight)
     else:
-        _put(block, row, column, size, mean, 0.0)
-        _put(block, row, column + 1, size, 0.5 * h * weight, 0.0)
+        _put(row, column, size, mean, 0.0)
+        _put(row, column + 1, size, 0.5 * h * weight, 0.0)
 
 
 @kernel
@@ -64,6 +64,10 @@ def _cell(parts, problem, gains, h, a, d, y1, base, time, i, block, like):
     for r in range(size):
         for j in range(2 * size):
             block[r, j] = 0.0
+    along = block[0]
+    across = block[1]
+    stretching = block[2]
+    turning = block[3]
     low = tension(parts.inextensible, cable, numeric, a[i, 0], d[i, 0])
     high = tension(parts.inextensible, cable, numeric, a[i + 1, 0], d[i + 1, 0])
     stretch = 1.0 + strain(parts.inextensible, _mean(a, i, 0))
@@ -83,38 +87,38 @@ def _cell(parts, problem, gains, h, a, d, y1, base, time, i, block, like):
     fh = f * half
     gain = tension_gain(parts.inextensible, cable, numeric, gains)
     # motion along the tangent, and along the normal
-    block[0, 2 * size] = -f * (high - low - h * (mass * (_mean(d, i, cu) - v * spin) + w * c - ft[0]))
-    _put(block, 0, cu, size, fh * (k * ft[2] - m * mass), 0.0)
-    _put(block, 0, cv, size, fh * k * (ft[3] + mass * spin), 0.0)
-    _put_turn(parts.bending, block, 0, size, fh * (k * (w * s + ft[4]) + m * mass * v), 0.0, h)
-    block[1, 2 * size] = -f * (pull * turn - h * (heavy * (_mean(d, i, cv) + u * spin) - w * s - fn[0]))
-    _put(block, 1, cu, size, fh * k * (fn[2] - heavy * spin), 0.0)
-    _put(block, 1, cv, size, fh * (k * fn[3] - m * heavy), 0.0)
-    _put_turn(parts.bending, block, 1, size, fh * (k * (w * c + fn[4]) - m * heavy * u), f * k * pull, h)
+    along[2 * size] = -f * (high - low - h * (mass * (_mean(d, i, cu) - v * spin) + w * c - ft[0]))
+    _put(along, cu, size, fh * (k * ft[2] - m * mass), 0.0)
+    _put(along, cv, size, fh * k * (ft[3] + mass * spin), 0.0)
+    _put_turn(parts.bending, along, size, fh * (k * (w * s + ft[4]) + m * mass * v), 0.0, h)
+    across[2 * size] = -f * (pull * turn - h * (heavy * (_mean(d, i, cv) + u * spin) - w * s - fn[0]))
+    _put(across, cu, size, fh * k * (fn[2] - heavy * spin), 0.0)
+    _put(across, cv, size, fh * (k * fn[3] - m * heavy), 0.0)
+    _put_turn(parts.bending, across, size, fh * (k * (w * c + fn[4]) - m * heavy * u), f * k * pull, h)
     # rotation
-    block[3, 2 * size] = -(a[i + 1, cv] - a[i, cv] + turn * u - h * stretch * spin)
-    _put(block, 3, cu, size, 0.5 * k * turn, 0.0)
-    _put(block, 3, cv, size, 0.0, k)
-    _put_turn(parts.bending, block, 3, size, -half * stretch * m, k * u, h)
+    turning[2 * size] = -(a[i + 1, cv] - a[i, cv] + turn * u - h * stretch * spin)
+    _put(turning, cu, size, 0.5 * k * turn, 0.0)
+    _put(turning, cv, size, 0.0, k)
+    _put_turn(parts.bending, turning, size, -half * stretch * m, k * u, h)
     # stretch
     if parts.inextensible is None:
-        block[2, 2 * size] = -(a[i + 1, cu] - a[i, cu] - turn * v - h * _mean(d, i, 0))
-        _put(block, 2, 0, size, -half * m, 0.0)
-        _put(block, 2, cu, size, 0.0, k)
-        _put(block, 2, cv, size, -0.5 * k * turn, 0.0)
-        _put_turn(parts.bending, block, 2, size, 0.0, -k * v, h)
-        _put(block, 0, 0, size, fh * k * ft[1], f * gain)
-        _put(block, 1, 0, size, 0.5 * f * gain * turn + fh * k * fn[1], 0.0)
-        _put(block, 3, 0, size, -half * k * spin, 0.0)
+        stretching[2 * size] = -(a[i + 1, cu] - a[i, cu] - turn * v - h * _mean(d, i, 0))
+        _put(stretching, 0, size, -half * m, 0.0)
+        _put(stretching, cu, size, 0.0, k)
+        _put(stretching, cv, size, -0.5 * k * turn, 0.0)
+        _put_turn(parts.bending, stretching, size, 0.0, -k * v, h)
+        _put(along, 0, size, fh * k * ft[1], f * gain)
+        _put(across, 0, size, 0.5 * f * gain * turn + fh * k * fn[1], 0.0)
+        _put(turning, 0, size, -half * k * spin, 0.0)
     else:
-        _put(block, 0, 0, size, 0.0, f * gain)
-        _put(block, 1, 0, size, 0.5 * f * gain * turn, 0.0)
+        _put(along, 0, size, 0.0, f * gain)
+        _put(across, 0, size, 0.5 * f * gain * turn, 0.0)
         v = _mean(y1, i, cv)
         turn = _turn(parts.bending, y1, i, h, cf)
-        block[2, 2 * size] = -(y1[i + 1, cu] - y1[i, cu] - turn * v)
-        _put(block, 2, cu, size, 0.0, 1.0)
-        _put(block, 2, cv, size, -0.5 * turn, 0.0)
-        _put_turn(parts.bending, block, 2, size, 0.0, -v, h)
+        stretching[2 * size] = -(y1[i + 1, cu] - y1[i, cu] - turn * v)
+        _put(stretching, cu, size, 0.0, 1.0)
+        _put(stretching, cv, size, -0.5 * turn, 0.0)
+        _put_turn(parts.bending, stretching, size, 0.0, -v, h)
     _add_bending(parts.bending, parts.inextensible, numeric.bending, gains, h, a, y1, i, block, size)
 
 
@@ -123,26 +127,30 @@ def _add_bending(bending, inextensible, stiffness, gains, h, a, y1, i, block, si
     """Shear in the rows of motion, and the rows of curvature and shear."""
     if bending is None:
         return
+    along = block[0]
+    across = block[1]
+    bent = block[4]
+    sheared = block[5]
     f = gains.scale
     k = gains.k
     shear = _mean(a, i, 1)
     turn = 0.5 * h * (a[i, 5] + a[i + 1, 5])
-    block[0, 2 * size] += f * shear * turn
-    _put(block, 0, 1, size, -0.5 * f * k * turn, 0.0)
-    _put(block, 0, 5, size, -0.5 * f * k * h * shear, 0.0)
-    block[1, 2 * size] -= f * (a[i + 1, 1] - a[i, 1])
-    _put(block, 1, 1, size, 0.0, f * k)
-    block[4, 2 * size] = -(y1[i + 1, 4] - y1[i, 4] - 0.5 * h * (y1[i, 5] + y1[i + 1, 5]))
-    _put(block, 4, 4, size, 0.0, 1.0)
-    _put(block, 4, 5, size, -0.5 * h, 0.0)
+    along[2 * size] += f * shear * turn
+    _put(along, 1, size, -0.5 * f * k * turn, 0.0)
+    _put(along, 5, size, -0.5 * f * k * h * shear, 0.0)
+    across[2 * size] -= f * (a[i + 1, 1] - a[i, 1])
+    _put(across, 1, size, 0.0, f * k)
+    bent[2 * size] = -(y1[i + 1, 4] - y1[i, 4] - 0.5 * h * (y1[i, 5] + y1[i + 1, 5]))
+    _put(bent, 4, size, 0.0, 1.0)
+    _put(bent, 5, size, -0.5 * h, 0.0)
     stretch = 1.0 + strain(inextensible, _mean(y1, i, 0))
     shear = _mean(y1, i, 1)
     firm = stiffness / h
-    block[5, 2 * size] = -f * (firm * (y1[i + 1, 5] - y1[i, 5]) + shear * stretch)
-    _put(block, 5, 5, size, 0.0, f * firm)
-    _put(block, 5, 1, size, 0.5 * f * stretch, 0.0)
+    sheared[2 * size] = -f * (firm * (y1[i + 1, 5] - y1[i, 5]) + shear * stretch)
+    _put(sheared, 5, size, 0.0, f * firm)
+    _put(sheared, 1, size, 0.5 * f * stretch, 0.0)
     if inextensible is None:
-        _put(block, 5, 0, size, 0.5 * f * shear, 0.0)
+        _put(sheared, 0, size, 0.5 * f * shear, 0.0)
 
 
 @kernel
