@@ -38,6 +38,7 @@ class Model:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+        self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
         self._allocate()
@@ -53,7 +54,7 @@ class Model:
         """Static equilibrium under the top that `inputs` (9,) places; raises SolverError where there is none."""
         inputs = self._finite(inputs)
         self.state[:] = 0.0
-        top.start_top(self.scene.top.motion_order, self.state, inputs)
+        top.start_top(self.motion_order, self.state, inputs)
         self._must(self.kernels.initialize(self.parts, self.numbers, time, self.state, self._work), time)
         self._read_outputs(time)
 
@@ -65,7 +66,7 @@ class Model:
         inputs = self._finite(inputs)
         if not step > 0.0 or not np.isfinite(step):
             raise refuse("communication step", float(step), "s", "finite and > 0", "Give a positive step.")
-        order = self.scene.top.motion_order
+        order = self.motion_order
         step = float(step)
         top.predict(order, self.state, inputs, step, self._end)
         top.quintic(self.state[header.TOP : header.TOP + 9], self._end, step, self._path)
@@ -102,11 +103,14 @@ class Model:
         if status == header.OK:
             return
         where = max(float(self.state[header.ERROR_TIME]), time)
-        node, size = int(self.state[header.ERROR_NODE]), float(self.state[header.ERROR_SIZE])
         raise SolverError(
-            f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]} (node {node}, last Newton change {size:.3g} m/s). "
+            f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]} ({self._measure(status)}). "
             f"{_REMEDIES[status]}. Results before this time are valid."
         )
+
+    def _measure(self, status: int) -> str:
+        """How bad a failed step is."""
+        return f"node {int(self.state[header.ERROR_NODE])}, last Newton change {self.state[header.ERROR_SIZE]:.3g} m/s"
 
     @staticmethod
     def _finite(inputs: np.ndarray) -> np.ndarray:
