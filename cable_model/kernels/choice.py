@@ -14,6 +14,7 @@ def by_presence(absent, present):
     def choose(part, *args):
         return absent(part, *args) if part is None else present(part, *args)
 
+    # not inline="always": numba 0.68 then loses stores of the inlined kernel
     @overload(choose)
     def _compiled(part, *args):
         if isinstance(part, types.NoneType) or part is None:

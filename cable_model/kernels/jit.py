@@ -4,17 +4,18 @@ numba's own cache does not notice a change in a jitted function of another file;
 kernel file does, so kernels may live in several small files.  With NUMBA_DISABLE_JIT=1 kernels run as plain Python.
 """
 
+import functools
 import hashlib
+import sys
 from pathlib import Path
 
 import numba
 from numba import njit
 
 
+@functools.cache
 def source_hash() -> str:
     """Hexadecimal hash of every kernel source in this folder, of numba's version and of Python's."""
-    import sys
-
     digest = hashlib.sha256(f"{numba.__version__} {sys.version_info}".encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -12,11 +12,10 @@ Inertia of a cell is shared at its split b (the travel-time midpoint) with weigh
 fourth-order dispersion on smooth meshes.
 """
 
-import math
-
 from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.slack import constitutive, iterate, shortfall
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -41,51 +40,6 @@ from cable_model.kernels.vector import (
 )
 
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
-
-
-@kernel
-def tension(slack, smoothing, f):
-    """Tension at f = EA e + C e': f itself, or (slack present) (f + sqrt(f^2 + w0^2))/2, which is never negative.
-
-    The smooth law is monotone in the strain rate, so damping only dissipates.
-    """
-    if slack is None:
-        return f
-    root = math.sqrt(f * f + smoothing * smoothing)
-    if f >= 0.0:
-        return 0.5 * (f + root)
-    return 0.5 * smoothing * smoothing / (root - f)  # the same without cancellation
-
-
-@kernel
-def constitutive(slack, smoothing, f, force):
-    """Slope dT/df at the iterate `force`, and the misfit of the law there.
-
-    With slack the law is used in its inverse form f = T - w0^2/(4 T), T > 0: the barrier form of an interior-point method,
-    on which Newton's method does not see the kink.
-    """
-    if slack is None:
-        return 1.0, f - force
-    barrier = 0.25 * smoothing * smoothing / force
-    return force / (force + barrier), f - force + barrier
-
-
-@kernel
-def shortfall(slack, cells, i):
-    """What the averaged strain of a cell leaves out of the strain before the step, where that was deep in slack."""
-    if slack is None:
-        return 0.0
-    return cells[i, cells.shape[1] - 1]
-
-
-@kernel
-def step_tension(slack, force, change):
-    """Tension after a Newton change; with slack it stays positive.  Also whether the change was cut."""
-    if slack is None:
-        return force + change, False
-    if change < -0.9 * force:
-        return 0.1 * force, True
-    return force + change, False
 
 
 @kernel
@@ -164,9 +118,11 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         dv = scale(1.0 / h, sub(v_up, v_low))
         rate = dot(dv, t)
         damping = numeric.voigt + numeric.damping * h
-        force = cells[i, 0]
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
-        slope, misfit = constitutive(parts.slack, numeric.smoothing, cable.stiffness * strain + damping * rate, force)
+        f = cable.stiffness * strain + damping * rate
+        force = iterate(parts.slack, numeric.smoothing, f, cells[i, 0])
+        cells[i, 0] = force
+        slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)
         along = mix(slope * gains.q * cable.stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
         pending = gains.law * slope * misfit

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
-from cable_model.kernels.staggered import assemble, prescribe_ends, step_tension
+from cable_model.kernels.slack import step_tension
+from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, load_from, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
@@ -120,7 +121,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
                     change = abs(dv)
         if not change < 1e12:
             return DIVERGED
-        cut = _update_tensions(parts.slack, s.cells, s.x, n, like)
+        cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, s.x, n, like)
         # quadratic convergence: the next change would be about change^3/previous^2
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
         if min(change, 100.0 * expected) <= problem.numeric.tolerance and not cut:
@@ -145,11 +146,11 @@ def _forget_slack(slack, problem, alpha_k, s):
 
 
 @kernel
-def _update_tensions(slack, cells, x, n, like):
+def _update_tensions(slack, smoothing, cells, x, n, like):
     cut = False
     for i in range(n - 1):
         change = cells[i, 1] + dot(load_from(cells, i, 3 + len(like), like), sub(load(x, i + 1, like), load(x, i, like)))
-        cells[i, 0], limited = step_tension(slack, cells[i, 0], change)
+        cells[i, 0], limited = step_tension(slack, smoothing, cells[i, 0], change)
         cut = cut or limited
     return cut
 
