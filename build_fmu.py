@@ -25,11 +25,14 @@ from xml.etree.ElementTree import Element, indent, tostring
 import pythonfmu
 import typer
 from pythonfmu import FmuBuilder
+from rich.console import Console
 
 from cable_model import __version__
+from cable_model.cli import summary
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.scene import Scene, load
+from fmu_src import trial
 from fmu_src.interface import generic_scene
 from fmu_src.model_description import osp_description
 from fmu_src.vendoring import Vendored, vendor
@@ -162,8 +165,9 @@ def main(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
     model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
     native: Annotated[bool, typer.Option(help="also build the native FMUs into dist/native")] = True,
+    simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
 ) -> None:
-    """Build the FMUs."""
+    """Build the FMUs, and try them on a scene if one is named."""
     try:
         if scene:
             baked = load(scene)
@@ -175,11 +179,15 @@ def main(
             dist = output or Path("dist")
             made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu") for key in MODELS]
             made += build_native(dist) if native else []
+        for path in made:
+            typer.echo(f"{path}  {path.stat().st_size} bytes")
+        if simulate:
+            results = trial.simulate({path.stem: path for path in made[: len(MODELS)]}, simulate, Path("results"))
+            Console().print(summary(results))
+            typer.echo("CSV files and a picture are in results/")
     except ParameterError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(2) from None
-    for path in made:
-        typer.echo(f"{path}  {path.stat().st_size} bytes")
 
 
 if __name__ == "__main__":

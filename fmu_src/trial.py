@@ -1,0 +1,37 @@
+"""Simulating built FMUs on a scene through fmpy: the result table, CSV files and picture that show that they work."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from cable_model.fmu_check import sampled_motion, simulate_fmu
+from cable_model.motion import top_motion
+from cable_model.plots import picture
+from cable_model.scene import load
+from cable_model.simulation import Result, write_csv
+from fmu_src.interface import table
+
+
+def _ends(run: Result) -> np.ndarray:
+    """What an FMU says of its shape: the top and the lower end, (rows, 2, 3)."""
+    return np.stack([np.column_stack([run[f"{end}.{axis}"] for axis in "xyz"]) for end in ("body", "top")], axis=1)
+
+
+def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[str, Result]:
+    """Simulate FMUs, with the scene's values as parameters, under the scene's top motion; writes CSV files and a picture to `folder`."""
+    scene = load(scene_name)
+    parameters = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
+    times, inputs = sampled_motion(top_motion(scene.top), scene.run.duration, scene.run.output_step)
+    stem = Path(scene_name).stem
+    folder.mkdir(parents=True, exist_ok=True)
+    results = {}
+    for name, path in fmus.items():
+        columns, numbers = simulate_fmu(path, times, inputs, parameters)
+        run = Result(columns, numbers, np.empty((0, 0, 3)))
+        results[name] = Result(columns, numbers, _ends(run))
+        write_csv(folder / f"{stem}_{name}.csv", columns, numbers)
+    picture(results, f"{scene.title}\nFMUs simulated through fmpy", folder / f"{stem}_fmu.png")
+    return results
