@@ -200,7 +200,7 @@ def advance(parts, p, time, h, path, state, work):
         if not good or (not fixed and error > tolerance):
             rejected += 1
             wanted = next_size(explicit, size, error, tolerance, iterations) if good else 0.25 * size
-            if wanted < 1e-9 * min(h, 1.0 / c.pendulum):
+            if not wanted >= 1e-9 * min(h, 1.0 / c.pendulum):
                 return failed(STEP_TOO_SMALL if good or abs(f[1]) + abs(f[3]) < 1e300 else NOT_FINITE, state, time + elapsed, error)
             continue
         share = first_crossing(parts.tension_floor, work, slack, graze)
