@@ -87,7 +87,7 @@ class Tow:
     drag_segments: int = quantity("1", "number of segments of the cable's drag", default=10, least=1, most=1000)
     minimum_tension: float = quantity("N", "floor of the mean tension (TENS)", default=0.0)
     cable_mass: bool = quantity("", "whether the cable has mass (CBMAS)", default=True)
-    body_angle: float = quantity("rad", "angle of a disk-like body to the cable; beyond pi the body is a sphere (PHIBD)", default=18.0)
+    body_angle: float = quantity("rad", "angle of a disk-like body to the vertical; beyond pi the body is a sphere (PHIBD)", default=18.0)
     drag_area_axial: float = quantity("m2", "drag coefficient times area of a disk-like body along its axis", default=0.0, least=0.0)
     added_mass_vertical: float = quantity("kg", "vertical added mass of the body (-1 = as body.added_mass)", default=-1.0, least=-1.0)
     as_printed: bool = quantity("", "whether the report's errors are kept, to compare with its figures", default=False)

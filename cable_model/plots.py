@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from cable_model.simulation import Result
 
@@ -35,7 +36,7 @@ def picture(results: dict[str, Result], title: str, path: Path) -> None:
 
 
 def _shapes(axis: Axes, results: dict[str, Result]) -> None:
-    """Six snapshots of the last quarter of every run, darker as time goes on; of an FMU's run only the line from top to lower end."""
+    """Six snapshots of the last quarter of every run, darker as time goes on; an FMU tells its two ends only."""
     for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
         count = len(run.shapes)
         moments = np.unique(np.linspace(0.75 * (count - 1), count - 1, 6).astype(int))
@@ -51,7 +52,9 @@ def _label(axes: dict[str, Axes]) -> None:
         axes[key].set(xlabel="time [s]", ylabel=ylabel)
     axes["path"].set(xlabel="x [m]", ylabel="z [m]", title="path of the lower end")
     axes["shape"].set(xlabel="x [m]", ylabel="z [m]", title="shape, last quarter")
-    for axis in axes.values():
+    for key, axis in axes.items():
         axis.grid(alpha=0.3)
+        if key in ("path", "shape"):
+            axis.xaxis.set_major_locator(MaxNLocator(4))
     axes["tension"].legend(loc="upper right")
     axes["shape"].legend(loc="best")

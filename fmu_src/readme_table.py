@@ -1,0 +1,36 @@
+"""The README's table of FMU variables, from the interface table: `python -m fmu_src.readme_table` writes it into README.md."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from fmu_src.interface import Variable, table
+
+_BLOCK = re.compile(r"(<!-- interface table -->\n).*?(<!-- end of interface table -->)", re.DOTALL)
+
+
+def _range(row: Variable) -> str:
+    low = "" if row.minimum is None else f"{'>' if row.minimum_excluded else '>='} {row.minimum:g}"
+    high = "" if row.maximum is None else f"<= {row.maximum:g}"
+    return ", ".join(bound for bound in (low, high) if bound)
+
+
+def markdown() -> str:
+    """The variables of both FMUs as a Markdown table."""
+    lines = ["| name | kind | type | unit | start | range | meaning |", "|---|---|---|---|---|---|---|"]
+    for row in table():
+        start = "" if row.start is None else f"{row.start:g}" if isinstance(row.start, float) else str(row.start).lower()
+        cells = (f"`{row.name}`", row.causality, row.kind, row.unit, start, _range(row), row.description)
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def replaced(readme: str) -> str:
+    """The README's text with the table as it is now."""
+    return _BLOCK.sub(lambda match: match[1] + markdown() + match[2], readme)
+
+
+if __name__ == "__main__":
+    path = Path("README.md")
+    path.write_text(replaced(path.read_text(encoding="utf-8")), encoding="utf-8")

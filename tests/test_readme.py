@@ -1,0 +1,30 @@
+"""The README says what is true: its table is the interface, its Python block runs, its test command is what CI runs."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fmu_src.readme_table import replaced
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_table_of_variables_is_the_interface_table():
+    assert replaced(README) == README, "run: python -m fmu_src.readme_table"
+
+
+@pytest.mark.parametrize("block", re.findall(r"```python\n(.*?)```", README, re.DOTALL))
+def test_a_python_block_runs(block, capsys):
+    exec(compile(block, "README.md", "exec"), {})
+    assert capsys.readouterr().out.startswith("1.0 ")
+
+
+def test_the_test_command_is_found_by_ci():
+    marked = re.search(r"<!-- test command -->\n```bash\n(.*?)\n```", README, re.DOTALL)
+    assert marked is not None
+    assert marked[1].endswith("-m pytest -q -n 2")
+    assert "test command" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")

@@ -1,0 +1,120 @@
+"""Scenes: what is refused and with which words, what is absent, and what the shipped ones hold."""
+
+from __future__ import annotations
+
+import pytest
+
+from cable_model.effects import effects, one_line, unknowns_per_node
+from cable_model.errors import ParameterError
+from cable_model.scene import from_dict, load, parts_of, shipped, with_values
+
+CABLE = {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": 1e6}
+
+REFUSED = [
+    ({"cable": {**CABLE, "length": -3.0}}, "cable.length = -3 m: must be > 0. Give the unstretched length."),
+    ({"cable": {**CABLE, "length": float("nan")}}, "cable.length = nan m: must be finite. Give the unstretched length."),
+    ({"cable": {**CABLE, "axial_stiffness": float("inf")}}, "cable.axial_stiffness = inf N: must be finite. Give the axial stiffness EA."),
+    ({"cable": {**CABLE, "length": "long"}}, "cable.length = 'long' m: must be a number. Give the unstretched length."),
+    ({"cable": {**CABLE, "length": True}}, "cable.length = True m: must be a number. Give the unstretched length."),
+    ({"cable": CABLE, "solver": {"nodes": 0}}, "solver.nodes = 0 1: must be >= 3 and <= 100000. Give the number of nodes of the chain."),
+    ({"cable": CABLE, "solver": {"nodes": 10.5}}, "solver.nodes = 10.5 1: must be a whole number. Give the number of nodes of the chain."),
+    ({"cable": CABLE, "solver": {"time_step": 0.0}}, "solver.time_step = 0 s: must be > 0. Give a step above 0."),
+    ({"cable": CABLE, "solver": {"time_step": -0.1}}, "solver.time_step = -0.1 s: must be > 0. Give a step above 0."),
+    (
+        {"cable": CABLE, "solver": {"grid": "fine"}},
+        "solver.grid = 'fine': must be one of staggered, box. Give the finite-difference grid.",
+    ),
+    ({"cable": {"length": 1.0}}, "cable.mass_per_length: missing. Give the mass per unstretched length."),
+    ({"cable": 5}, "cable = 5: must be a table. Write it as [cable]."),
+    (
+        {"cable": CABLE, "current": {"speed": 1.0}},
+        "current.speed = 1 m/s: must be 0 without water. Add [water] or remove [current].",
+    ),
+    (
+        {"cable": CABLE, "waves": {"amplitude": 1.0}},
+        "waves.amplitude = 1 m: must be 0 without water. Add [water] or remove [waves].",
+    ),
+    ({"cable": CABLE, "water": {}}, "cable.diameter = 0 m: must be > 0 in water. Give the diameter, or remove [water]."),
+    (
+        {"cable": CABLE, "body": {"mass": 2.0}, "lower_end": {"anchored": True}},
+        "body.mass = 2 kg: must be 0 at an anchored end. Remove [body] or lower_end.anchored.",
+    ),
+    (
+        {"cable": {**CABLE, "inextensible": True}},
+        'cable.inextensible = True: must be false on the staggered grid. Set solver.grid = "box", or raise axial_stiffness.',
+    ),
+    (
+        {"cable": {**CABLE, "diameter": 0.1}, "water": {}, "current": {"speed": 1.0, "direction": 0.5}},
+        "current.direction = 0.5 rad: must be 0 or pi in the plane. Set solver.space = true, or turn the axes so that x is along it.",
+    ),
+]
+
+
+@pytest.mark.parametrize(("values", "text"), REFUSED, ids=[text.split(":")[0] for _, text in REFUSED])
+def test_a_bad_value_gets_one_error_with_name_unit_rule_and_remedy(values, text):
+    with pytest.raises(ParameterError) as caught:
+        from_dict(values)
+    assert str(caught.value) == text
+
+
+def test_an_unknown_key_names_the_nearest_known_one():
+    with pytest.raises(ParameterError, match=r"^cable\.lenght: unknown key\. Did you mean 'cable\.length'\? Known: "):
+        from_dict({"cable": {**CABLE, "lenght": 2.0}})
+
+
+def test_an_unknown_scene_names_the_nearest_shipped_one():
+    with pytest.raises(ParameterError, match=r"^towed_boddy: unknown scene\. Did you mean 'towed_body'\? Known: "):
+        load("towed_boddy")
+
+
+def test_a_missing_file_an_empty_file_and_a_broken_file_get_one_error_each(tmp_path):
+    with pytest.raises(ParameterError, match=r"nothing\.toml: no such file\. Give the path of a scene, or one of: dale_sphere, "):
+        load(tmp_path / "nothing.toml")
+    (tmp_path / "empty.toml").write_text("# nothing\n")
+    with pytest.raises(ParameterError, match=r"empty\.toml: an empty scene\. Give at least \[cable\] with length, "):
+        load(tmp_path / "empty.toml")
+    (tmp_path / "broken.toml").write_text("[cable\n")
+    with pytest.raises(ParameterError, match=r"broken\.toml: not a valid TOML file \("):
+        load(tmp_path / "broken.toml")
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_a_shipped_scene_names_its_source(name):
+    scene = load(name)
+    assert scene.title
+    assert scene.source.strip()
+
+
+def test_the_four_shipped_scenes_are_there():
+    assert {"dale_sphere", "hanging_chain", "free_chain", "towed_body"} <= set(shipped())
+
+
+def test_an_effect_with_a_zero_coefficient_is_as_absent_as_one_that_was_never_named():
+    named = {"body": {"mass": 0.0}, "water": {"density": 0.0}, "current": {"speed": 0.0}, "waves": {"amplitude": 0.0}}
+    zeros = from_dict({"cable": {**CABLE, "bending_stiffness": 0.0, "axial_damping": 0.0}, **named})
+    assert parts_of(zeros, "chain") == parts_of(from_dict({"cable": CABLE}), "chain")
+
+
+def test_bending_and_space_change_the_unknowns_of_a_node():
+    scene = from_dict({"cable": {**CABLE, "bending_stiffness": 1.0}})
+    assert unknowns_per_node(scene, "chain") == 2
+    assert unknowns_per_node(with_values(scene, {"solver.space": True}), "chain") == 3
+    assert unknowns_per_node(with_values(scene, {"solver.grid": "box"}), "chain") == 6
+    assert unknowns_per_node(with_values(scene, {"solver.grid": "box", "cable.bending_stiffness": 0.0}), "chain") == 4
+
+
+def test_describe_says_what_switched_each_effect_on():
+    line = one_line(load("towed_body"), "chain")
+    assert "bending (cable.bending_stiffness = 30 N.m2)" in line
+    assert "current (current.speed = -2 m/s)" in line
+    assert "waves" not in line
+    assert {e.name for e in effects(load("free_chain"), "chain") if e.active} == {"bending", "stretch", "slack (no compression)"}
+
+
+def test_values_replaced_by_name_are_checked_like_a_file():
+    scene = with_values(load("towed_body"), {"cable.length": 20.0})
+    assert scene.cable.length == 20.0
+    with pytest.raises(ParameterError, match=r"^cable\.length = -1 m: must be > 0\. "):
+        with_values(scene, {"cable.length": -1.0})
+    with pytest.raises(ParameterError, match="unknown key"):
+        with_values(scene, {"cable.colour": 1.0})
