@@ -11,6 +11,7 @@ from cable_model.kernels import header, top
 from cable_model.scene import Scene, numbers_of, parts_of
 from cable_model.signals import INPUTS, OUTPUTS
 
+UNITS = ("m", "m/s", "m/s2")  # of the inputs, three at a time
 FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
@@ -119,5 +120,5 @@ class Model:
             raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top.")
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))
-            raise refuse(INPUTS[first], float(inputs[first]), "", "finite", "Check what is connected to this input.")
+            raise refuse(INPUTS[first], float(inputs[first]), UNITS[first // 3], "finite", "Check what is connected to this input.")
         return inputs

@@ -1,0 +1,39 @@
+"""What tests share: the FMUs, built once a session."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from fmu_support import Fmu
+
+from cable_model.models import MODELS
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.fixture(scope="session")
+def build_fmu() -> ModuleType:
+    """The top-level script build_fmu.py as a module."""
+    spec = importlib.util.spec_from_file_location("build_fmu", ROOT / "build_fmu.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["build_fmu"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def fmus(build_fmu: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
+    """The generic FMUs of both models, by the model's key."""
+    folder = tmp_path_factory.mktemp("fmus")
+    made = {key: build_fmu.build(key, build_fmu.generic_scene(), folder / f"{build_fmu.IDENTIFIERS[key]}.fmu") for key in MODELS}
+    return {key: Fmu(path, folder / key) for key, path in made.items()}
+
+
+@pytest.fixture(params=sorted(MODELS))
+def fmu(request: pytest.FixtureRequest, fmus: dict[str, Fmu]) -> Fmu:
+    """Each generic FMU in turn."""
+    return fmus[request.param]

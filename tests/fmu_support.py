@@ -1,0 +1,101 @@
+"""Driving FMUs from tests through fmpy: by names, with the log kept."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+from cable_model.signals import INPUTS, OUTPUTS
+
+__all__ = ["FMICallException", "Fmu", "Instance", "sway"]
+
+_numbers = itertools.count()
+
+
+def sway(time: float, amplitude: float = 0.3, omega: float = 0.9) -> np.ndarray:
+    """A top that is at rest at time 0 and then circles smoothly in x and z; position, velocity, acceleration (9,)."""
+    phase = omega * time
+    x = amplitude * (phase - np.sin(phase)), amplitude * omega * (1.0 - np.cos(phase)), amplitude * omega**2 * np.sin(phase)
+    z = amplitude * (1.0 - np.cos(phase)), amplitude * omega * np.sin(phase), amplitude * omega**2 * np.cos(phase)
+    return np.array([x[0], 0.0, z[0], x[1], 0.0, z[1], x[2], 0.0, z[2]])
+
+
+class Fmu:
+    """An FMU that is unzipped once; instances of it are made with `instance()`."""
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        self.path = path
+        self.description = fmpy.read_model_description(str(path))
+        self.folder = fmpy.extract(str(path), unzipdir=str(folder))
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.types = {v.name: v.type for v in self.description.modelVariables}
+
+    def instance(self) -> Instance:
+        return Instance(self)
+
+
+class Instance:
+    """One instance of an FMU; variables by name; `messages` holds what it logged as (status, text)."""
+
+    def __init__(self, fmu: Fmu) -> None:
+        self.fmu = fmu
+        self.messages: list[tuple[int, str]] = []
+        self.slave = FMU2Slave(
+            guid=fmu.description.guid, unzipDirectory=fmu.folder, instanceName=f"cable{next(_numbers)}",
+            modelIdentifier=fmu.description.coSimulation.modelIdentifier,
+        )  # fmt: skip
+        self._callbacks = fmi2CallbackFunctions(
+            fmi2CallbackLoggerTYPE(self._log), defaultCallbacks.allocateMemory, defaultCallbacks.freeMemory, defaultCallbacks.stepFinished
+        )
+        self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._inputs = [fmu.references[name] for name in INPUTS]
+        self._outputs = [fmu.references[name] for name in OUTPUTS]
+
+    def _log(self, environment: int, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((status, text.decode()))
+
+    @property
+    def errors(self) -> list[str]:
+        """Texts that the slave logged as errors; the wrapper's own line (fatal) repeats them."""
+        return [text for status, text in self.messages if status == 3]
+
+    def set(self, values: Mapping[str, object]) -> None:
+        for name, value in values.items():
+            getattr(self.slave, f"set{self.fmu.types[name]}")([self.fmu.references[name]], [value])
+
+    def get(self, name: str) -> float | int | bool | str:
+        value = getattr(self.slave, f"get{self.fmu.types[name]}")([self.fmu.references[name]])[0]
+        return value.decode() if isinstance(value, bytes) else value
+
+    def initialize(self, values: Mapping[str, object] | None = None, inputs: Iterable[float] | None = None, time: float = 0.0) -> None:
+        self.slave.setupExperiment(startTime=time)
+        self.set(values or {})
+        if inputs is not None:
+            self.set_inputs(inputs)
+        self.slave.enterInitializationMode()
+        self.slave.exitInitializationMode()
+
+    def set_inputs(self, inputs: Iterable[float]) -> None:
+        self.slave.setReal(self._inputs, [float(x) for x in inputs])
+
+    def step(self, time: float, step: float, inputs: Iterable[float]) -> np.ndarray:
+        self.set_inputs(inputs)
+        self.slave.doStep(time, step)
+        return self.outputs()
+
+    def outputs(self) -> np.ndarray:
+        return np.array(self.slave.getReal(self._outputs))
+
+    def run(self, steps: int, step: float = 0.05, first: int = 0) -> np.ndarray:
+        """Outputs (steps, 18) after steps number first + 1, ... under `sway`."""
+        return np.array([self.step(k * step, step, sway(k * step)) for k in range(first, first + steps)])
+
+    def close(self) -> None:
+        self.slave.terminate()
+        self.slave.freeInstance()

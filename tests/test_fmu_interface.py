@@ -1,0 +1,291 @@
+"""The interface table, the archives made from it, and that the two agree with the package."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime
+import re
+import subprocess
+import sys
+import typing
+import zipfile
+from pathlib import Path
+from types import ModuleType
+from xml.etree import ElementTree
+
+import pytest
+from fmpy.validation import validate_fmu
+from fmu_support import Fmu
+
+from cable_model import parameters
+from cable_model.errors import ParameterError
+from cable_model.kernels.family import INTEGRATORS
+from cable_model.scene import Scene, from_dict, load, shipped, with_values
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.interface import EFFECTS, generic_scene, scene_from_values, scene_name, table
+from fmu_src.model_description import UNITS
+from fmu_src.vendoring import imported, renamed, vendor
+
+ROOT = Path(__file__).resolve().parent.parent
+NOT_IN_FMUS = {
+    "current.levels", "top.position", "top.motion", "top.table", "run.duration", "run.output_step", "run.model",
+}  # fmt: skip
+
+
+def parameter_rows():
+    return [row for row in table() if row.causality == "parameter"]
+
+
+def test_inputs_and_outputs_are_those_of_both_models_in_their_order():
+    assert tuple(row.name for row in table() if row.causality == "input") == INPUTS
+    assert tuple(row.name for row in table() if row.causality == "output") == (*OUTPUTS, "solver.cpu_time")
+    assert tuple(row.name for row in table()[: len(INPUTS) + len(OUTPUTS)]) == INPUTS + OUTPUTS
+
+
+def test_every_value_of_a_scene_is_a_parameter_or_named_as_none():
+    names = {row.scene_name for row in parameter_rows()}
+    for part in dataclasses.fields(Scene):
+        holder = getattr(parameters, "".join(word.capitalize() for word in part.name.split("_")), None)
+        if dataclasses.is_dataclass(holder):
+            for field in dataclasses.fields(holder):
+                name = f"{part.name}.{field.name}"
+                assert (name in names) != (name in NOT_IN_FMUS), name
+
+
+def test_facts_of_parameters_are_those_of_the_scene():
+    for row in parameter_rows():
+        part, field = row.scene_name.split(".")
+        holder = getattr(parameters, "".join(word.capitalize() for word in part.split("_")))
+        facts = next(f for f in dataclasses.fields(holder) if f.name == field).metadata
+        kind = typing.get_type_hints(holder)[field]
+        assert row.kind == {float: "Real", int: "Integer", str: "Integer", bool: "Boolean"}[kind]
+        assert facts["description"] in row.description
+        if kind is float:
+            assert row.unit == facts["unit"]
+            assert row.minimum == (facts["least"] if facts["above"] is None else facts["above"])
+            assert row.maximum == facts["most"]
+
+
+def test_codes_of_the_integrator_are_those_of_the_kernels():
+    choices = next(row for row in parameter_rows() if row.name == "solver.integrator").choices
+    assert {name: code for code, name in enumerate(choices)} == INTEGRATORS
+
+
+def test_names_and_units_are_unique_and_defined():
+    names = [row.name for row in table()]
+    assert len(set(names)) == len(names)
+    assert {row.unit for row in table() if row.unit} == set(UNITS)
+
+
+@pytest.mark.parametrize("name", sorted(shipped()))
+def test_start_values_give_back_the_scene_they_come_from(name):
+    scene = load(name)
+    values = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
+    assert scene_from_values(scene, values) == scene
+    other = dataclasses.replace(generic_scene(), top=scene.top, run=scene.run, title=scene.title, source=scene.source)
+    if scene.water is None:
+        scene = dataclasses.replace(scene, water=parameters.Water(density=0.0))
+    assert scene_from_values(other, values) == scene
+
+
+def test_start_values_of_the_inputs_are_the_scenes_top():
+    starts = {row.name: row.start for row in table(load("dale_sphere")) if row.causality == "input"}
+    assert starts == dict.fromkeys(INPUTS, 0.0) | {"top.z": -0.5}
+
+
+def test_every_parameter_reaches_the_scene():
+    """With a value other than its start, each changes the scene where it says, and nothing else."""
+    base = with_values(generic_scene(), {"solver.space": True})
+    for row in table(base):
+        if row.causality != "parameter":
+            continue
+        if row.kind == "Boolean":
+            value = not row.start
+        elif row.kind == "Integer":
+            value = row.start + 1
+        else:
+            value = 0.5 * row.start + (0.25 if row.maximum is not None else 1.0)
+        values = {row.name: value}
+        needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
+        needs["solver.grid"] = {"solver.space": False}
+        extra = needs.get(row.name, {})
+        changed = scene_from_values(base, {**values, **extra})
+        expected = row.choices[value] if row.choices else value
+        part, field = row.scene_name.split(".")
+        assert getattr(getattr(changed, part), field) == expected
+        assert scene_from_values(changed, {name: r.start for r in table(base) if (name := r.name) in (*values, *extra)}) == base
+
+
+def test_a_name_that_is_no_parameter_names_the_nearest_one():
+    with pytest.raises(ParameterError, match=r"cable\.lenght: unknown parameter\. Did you mean 'cable\.length'\?"):
+        scene_from_values(generic_scene(), {"cable.lenght": 3.0})
+
+
+def test_a_baked_table_of_the_current_is_not_silently_overridden():
+    scene = from_dict(
+        {"cable": {"length": 10.0, "diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e6}, "water": {},
+         "current": {"levels": [[-10.0, 0.2, 0.0], [0.0, 1.0, 0.0]]}}
+    )  # fmt: skip
+    assert scene_from_values(scene, {"current.speed": 0.0, "cable.length": 11.0}).current == scene.current
+    with pytest.raises(ParameterError, match=r"current\.speed = 0\.5 m/s: must be 0 where a table of the current is baked in\."):
+        scene_from_values(scene, {"current.speed": 0.5})
+
+
+def test_waves_are_the_one_part_with_another_name():
+    assert {row.name for row in parameter_rows() if scene_name(row.name) != row.name} == {
+        "wave.amplitude", "wave.period", "wave.direction", "wave.phase",
+    }  # fmt: skip
+
+
+# -- archives
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmu: Fmu):
+    assert validate_fmu(str(fmu.path)) == []
+
+
+def test_the_archive_says_what_the_table_says(fmu: Fmu):
+    rows = table()
+    assert len(fmu.description.modelVariables) == len(rows)
+    for reference, (variable, row) in enumerate(zip(fmu.description.modelVariables, rows, strict=True)):
+        assert (variable.name, variable.valueReference, variable.causality, variable.variability) == (
+            row.name, reference, row.causality, row.variability,
+        )  # fmt: skip
+        assert (variable.type, variable.unit or "", variable.description) == (row.kind, row.unit, row.description)
+        for text, number in ((variable.min, row.minimum), (variable.max, row.maximum), (variable.nominal, row.nominal)):
+            assert (None if text is None else float(text)) == number
+        if row.causality in ("input", "parameter"):
+            read = {"Real": float, "Integer": int, "Boolean": lambda text: text == "true"}[row.kind]
+            assert read(variable.start) == row.start
+
+
+def test_outputs_depend_on_no_input_so_that_no_loop_is_seen(fmu: Fmu):
+    with zipfile.ZipFile(fmu.path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    wanted = [index for index, row in enumerate(table(), start=1) if row.causality == "output"]
+    for name in ("Outputs", "InitialUnknowns"):
+        unknowns = root.findall(f"ModelStructure/{name}/Unknown")
+        assert [int(u.get("index")) for u in unknowns] == wanted
+        assert all(u.get("dependencies") == "" for u in unknowns)
+
+
+def test_capabilities_and_date_are_as_hosts_need_them(fmu: Fmu):
+    capabilities = fmu.description.coSimulation
+    assert capabilities.needsExecutionTool is False
+    assert capabilities.canHandleVariableCommunicationStepSize
+    assert capabilities.canGetAndSetFMUstate
+    assert capabilities.canSerializeFMUstate
+    assert not capabilities.canBeInstantiatedOnlyOncePerProcess
+    datetime.datetime.strptime(fmu.description.generationDateAndTime, "%Y-%m-%dT%H:%M:%SZ")
+    assert re.fullmatch(r"\{[0-9a-f-]{36}\}", fmu.description.guid)
+    units = {unit.name: unit.baseUnit for unit in fmu.description.unitDefinitions}
+    assert (units["N"].kg, units["N"].m, units["N"].s) == (1, 1, -2)
+
+
+def test_the_port_of_the_osp_description_names_variables_that_exist(fmu: Fmu):
+    name = "{https://open-simulation-platform.com/OspModelDescription/1.0.0}"
+    beside = fmu.path.with_name(f"{fmu.path.stem}_OspModelDescription.xml").read_bytes()
+    with zipfile.ZipFile(fmu.path) as archive:
+        assert archive.read("resources/OspModelDescription.xml") == beside
+    root = ElementTree.fromstring(beside)
+    port = root.find(f"{name}VariableGroups/{name}LinearMechanicalPort")
+    assert [[v.get("ref") for v in group] for group in port] == [
+        ["top.force_x", "top.force_y", "top.force_z"], ["top.vx", "top.vy", "top.vz"],
+    ]  # fmt: skip
+    assert {v.get("ref") for v in root.iter(f"{name}Variable")} <= set(fmu.references)
+
+
+def test_the_same_input_gives_the_same_bytes(build_fmu: ModuleType, fmu: Fmu, tmp_path: Path):
+    key = {"CableChain": "chain", "TowCable": "tow"}[fmu.path.stem]
+    again = build_fmu.build(key, generic_scene(), tmp_path / fmu.path.name)
+    assert again.read_bytes() == fmu.path.read_bytes()
+
+
+def test_another_scene_gives_another_guid(build_fmu: ModuleType, fmus: dict[str, Fmu], tmp_path: Path):
+    scene = with_values(generic_scene(), {"cable.length": 101.0})
+    other = Fmu(build_fmu.build("chain", scene, tmp_path / "CableChain.fmu"), tmp_path / "x")
+    assert other.description.guid != fmus["chain"].description.guid
+    assert next(v for v in other.description.modelVariables if v.name == "cable.length").start == "101.0"
+
+
+def test_an_archive_holds_no_path_of_this_machine_and_no_bytecode(fmu: Fmu):
+    with zipfile.ZipFile(fmu.path) as archive:
+        for info in archive.infolist():
+            assert info.date_time == (1980, 1, 1, 0, 0, 0)
+            assert not info.filename.endswith(".pyc")
+            if not info.filename.startswith(("binaries/", "resources/pythonfmu/")):
+                content = archive.read(info)
+                assert str(ROOT).encode() not in content
+                assert str(Path.home()).encode() not in content
+
+
+def test_vendored_modules_import_nothing_by_its_public_name():
+    vendored = vendor(ROOT, ("fmu_src.slave",))
+    for name, content in vendored.files.items():
+        assert name.split("/")[0] in (vendored.package, vendored.kernels)
+        assert imported(content.decode(), name) == set()
+
+
+def test_kernels_keep_their_name_when_the_rest_changes(tmp_path: Path):
+    for package in ("cable_model", "fmu_src"):
+        for path in sorted((ROOT / package).rglob("*.py")):
+            to = tmp_path / path.relative_to(ROOT)
+            to.parent.mkdir(parents=True, exist_ok=True)
+            to.write_bytes(path.read_bytes())
+    before = vendor(tmp_path, ("fmu_src.slave",))
+    scene = tmp_path / "cable_model" / "scene.py"
+    scene.write_text(scene.read_text() + "\n# changed\n")
+    after = vendor(tmp_path, ("fmu_src.slave",))
+    assert after.kernels == before.kernels
+    assert after.package != before.package
+    kernel = tmp_path / "cable_model" / "kernels" / "vector.py"
+    kernel.write_text(kernel.read_text() + "\n# changed\n")
+    assert vendor(tmp_path, ("fmu_src.slave",)).kernels != before.kernels
+
+
+def test_renaming_touches_imports_and_whole_names_only():
+    source = 'from cable_model.scene import load\nfrom cable_model.kernels import top\nx = "cable_model"\ny = "cable_modelling"\n'
+    new = renamed(source, "here", {"cable_model": "p.cable_model", "cable_model.kernels": "k"})
+    assert new == 'from p.cable_model.scene import load\nfrom k import top\nx = "p.cable_model"\ny = "cable_modelling"\n'
+    for refused in ("import cable_model\n", "from cable_model import kernels\n"):
+        with pytest.raises(ValueError, match="line 1: "):
+            renamed(refused, "here", {"cable_model": "p.cable_model", "cable_model.kernels": "k"})
+
+
+# -- the command line
+
+
+def run_script(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, str(ROOT / "build_fmu.py"), *arguments], cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_the_script_bakes_a_shipped_scene(tmp_path: Path):
+    done = run_script("towed_body", "-o", "My tow.fmu", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    made = Fmu(tmp_path / "My tow.fmu", tmp_path / "x")
+    assert made.description.coSimulation.modelIdentifier == "My_tow"
+    assert next(v for v in made.description.modelVariables if v.name == "current.speed").start == "-2.0"
+    assert validate_fmu(str(made.path)) == []
+
+
+def test_the_script_refuses_bad_scenes_in_one_line(tmp_path: Path):
+    (tmp_path / "empty.toml").write_text("")
+    (tmp_path / "wrong.toml").write_text('[cable]\nlength = "long"\nmass_per_length = 1.0\naxial_stiffness = 1e6\n')
+    (tmp_path / "key.toml").write_text("[cable]\nlenght = 3.0\nmass_per_length = 1.0\naxial_stiffness = 1e6\n")
+    for scene, text in (
+        ("missing.toml", "missing.toml: no such file."),
+        ("empty.toml", "empty.toml: an empty scene."),
+        ("wrong.toml", "cable.length = 'long' m: must be a number."),
+        ("key.toml", "cable.lenght: unknown key. Did you mean 'cable.length'?"),
+    ):
+        done = run_script(scene, folder=tmp_path)
+        assert done.returncode == 2
+        assert text in done.stderr
+        assert len(done.stderr.strip().splitlines()) == 1
+    assert not list(tmp_path.rglob("*.fmu"))
+
+
+def test_effects_are_told_as_text_and_outputs_are_all_reals():
+    kinds = {row.kind for row in table() if row.causality == "output"}
+    assert kinds == {"Real"}
+    assert next(row for row in table() if row.name == EFFECTS).kind == "String"

@@ -1,0 +1,375 @@
+"""The built pythonfmu FMUs against the library, and the promises of a co-simulation component: state, reset, steps, versions."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import fmpy
+import numpy as np
+import pytest
+from fmu_support import Fmu, Instance, sway
+
+from cable_model.fmu_check import sampled_motion, simulate_fmu
+from cable_model.models import MODELS
+from cable_model.motion import top_motion
+from cable_model.parameters import Motion, Top
+from cable_model.scene import load
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src import staging
+from fmu_src.interface import generic_scene, scene_from_values
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENES = [("chain", name) for name in ("hanging_chain", "dale_sphere", "free_chain", "towed_body")]
+SCENES += [("tow", name) for name in ("dale_sphere", "towed_body")]
+SMOOTH = top_motion(
+    Top(
+        motion=tuple(
+            Motion(kind="sinusoid", axis=axis, amplitude=1.0, angular_frequency=2.0 * math.pi / 7.0, phase=phase, ramp_time=8.0)
+            for axis, phase in (("x", 0.0), ("z", 0.7))
+        )
+    )
+)
+KEYS = {"CableChain": "chain", "TowCable": "tow"}
+LONE_CHANGES = {"cable.length": 40.0, "solver.nodes": 15, "water.density": 1000.0}
+
+
+def library(fmu: Fmu, values: dict[str, object] | None = None):
+    """The library's model that an FMU with these parameters stands for."""
+    return MODELS[KEYS[fmu.path.stem]](scene_from_values(generic_scene(), values or {}))
+
+
+@pytest.mark.parametrize(("key", "name"), SCENES)
+def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(build_fmu: ModuleType, tmp_path: Path, key: str, name: str):
+    """fmpy's own simulation loop, bit for bit the library's steps."""
+    scene = load(name)
+    path = build_fmu.build(key, scene, tmp_path / f"{name}.fmu")
+    step, count = scene.run.output_step, 40
+    times, inputs = sampled_motion(top_motion(scene.top), count * step, step)
+    columns, table = simulate_fmu(path, times, inputs)
+    model = MODELS[key](scene)
+    model.initialize(inputs[0])
+    rows = [model.outputs.copy()]
+    for k in range(count):
+        model.step(times[k], times[k + 1] - times[k], inputs[k])
+        rows.append(model.outputs.copy())
+    first = columns.index(OUTPUTS[0])
+    assert table[:, 0] == pytest.approx(times, abs=1e-9)
+    scale = np.abs(np.array(rows)).max(axis=0) + 1e-300
+    assert (np.abs(table[:, first : first + len(OUTPUTS)] - rows) / scale).max() < 1e-9
+
+
+def test_steps_are_bit_identical_to_the_librarys(fmu: Fmu):
+    model, instance = library(fmu, LONE_CHANGES), fmu.instance()
+    instance.initialize(LONE_CHANGES, sway(0.0))
+    model.initialize(sway(0.0))
+    assert np.array_equal(instance.outputs(), model.outputs)
+    for k in range(40):
+        model.step(k * 0.05, 0.05, sway(k * 0.05))
+        assert np.array_equal(instance.step(k * 0.05, 0.05, sway(k * 0.05)), model.outputs)
+    instance.close()
+
+
+def test_it_hangs_in_equilibrium_under_the_start_values_of_the_inputs(fmu: Fmu):
+    instance = fmu.instance()
+    instance.initialize({"top.x": 3.0, "top.z": -2.0})
+    scene = generic_scene()
+    area = 0.25 * math.pi * scene.cable.diameter**2
+    weight = (scene.body.mass - 1025.0 * scene.body.volume) + (scene.cable.mass_per_length - 1025.0 * area) * scene.cable.length
+    assert instance.get("top.force_z") == pytest.approx(-weight * scene.environment.gravity, rel=1e-9)
+    assert instance.get("top.tension") == pytest.approx(weight * scene.environment.gravity, rel=1e-9)
+    assert instance.get("body.x") == pytest.approx(3.0, abs=1e-9)
+    assert instance.get("body.z") == pytest.approx(-2.0 - scene.cable.length, rel=1e-3)
+    assert "body (body.mass = 500 kg)" in str(instance.get("effects.active"))
+    assert any("simulates: body (body.mass = 500 kg)" in text for _, text in instance.messages)
+    instance.close()
+
+
+def test_outputs_can_be_read_during_initialization_and_depend_on_no_input_then(fmu: Fmu):
+    instance = fmu.instance()
+    instance.slave.setupExperiment(startTime=0.0)
+    instance.slave.enterInitializationMode()
+    before = instance.outputs()
+    instance.set({"top.x": 5.0})
+    assert np.array_equal(instance.outputs(), before)
+    assert before[OUTPUTS.index("top.tension")] > 0.0
+    instance.slave.exitInitializationMode()
+    assert instance.get("body.x") == pytest.approx(5.0, abs=1e-9)
+    instance.close()
+
+
+# -- instances
+
+
+def fresh(fmu: Fmu, steps: int = 20, values: dict[str, object] | None = None) -> np.ndarray:
+    instance = fmu.instance()
+    instance.initialize(values, sway(0.0))
+    result = instance.run(steps)
+    instance.close()
+    return result
+
+
+def test_two_instances_share_nothing(fmu: Fmu):
+    alone = fresh(fmu)
+    other = fresh(fmu, values=LONE_CHANGES)
+    one, two = fmu.instance(), fmu.instance()
+    one.initialize(None, sway(0.0))
+    two.initialize(LONE_CHANGES, sway(0.0))
+    for k in range(20):
+        assert np.array_equal(one.step(k * 0.05, 0.05, sway(k * 0.05)), alone[k])
+        assert np.array_equal(two.step(k * 0.05, 0.05, sway(k * 0.05)), other[k])
+    one.close()
+    assert np.array_equal(two.run(1, first=20), fresh(fmu, 21, LONE_CHANGES)[20:])
+    two.close()
+
+
+def test_a_reset_instance_is_a_new_one(fmu: Fmu):
+    instance = fmu.instance()
+    instance.initialize(LONE_CHANGES, sway(0.0))
+    instance.run(10)
+    instance.slave.reset()
+    assert [instance.get(name) for name in LONE_CHANGES] == [100.0, 51, 1025.0]
+    assert instance.get("top.x") == 0.0
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(20), fresh(fmu))
+    instance.slave.terminate()
+    instance.slave.reset()
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(20), fresh(fmu))
+    instance.close()
+
+
+def test_a_second_instantiation_gives_the_same(fmu: Fmu):
+    assert np.array_equal(fresh(fmu), fresh(fmu))
+
+
+# -- state
+
+
+def test_a_restored_run_is_bit_identical(fmu: Fmu):
+    instance = fmu.instance()
+    instance.initialize(LONE_CHANGES, sway(0.0))
+    instance.run(10)
+    state = instance.slave.getFMUstate()
+    kept = instance.outputs()
+    ahead = instance.run(20, first=10)
+    instance.slave.setFMUstate(state)
+    assert np.array_equal(instance.outputs(), kept)
+    assert np.array_equal(instance.run(20, first=10), ahead)
+    instance.slave.reset()
+    instance.slave.setFMUstate(state)
+    assert instance.get("cable.length") == 40.0
+    assert np.array_equal(instance.run(20, first=10), ahead)
+    instance.slave.freeFMUstate(state)
+    instance.close()
+
+
+def test_a_serialized_state_goes_on_in_another_instance(fmu: Fmu):
+    one, two = fmu.instance(), fmu.instance()
+    one.initialize(LONE_CHANGES, sway(0.0))
+    one.run(10)
+    data = one.slave.serializeFMUstate(one.slave.getFMUstate())
+    ahead = one.run(20, first=10)
+    one.close()
+    two.slave.setFMUstate(two.slave.deSerializeFMUstate(data))
+    assert np.array_equal(two.run(20, first=10), ahead)
+    assert two.slave.serializeFMUstate(two.slave.getFMUstate()) != data
+    two.close()
+
+
+def test_a_state_from_before_initialization_takes_one_back_there(fmu: Fmu):
+    instance = fmu.instance()
+    instance.set({"cable.length": 40.0})
+    state = instance.slave.getFMUstate()
+    instance.initialize(None, sway(0.0))
+    first = instance.run(5)
+    instance.slave.setFMUstate(state)
+    instance.set({"cable.length": 41.0, "cable.diameter": 0.02})
+    instance.slave.setFMUstate(state)
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(5), first)
+    instance.close()
+
+
+def test_the_state_holds_no_pickle_and_is_read_by_its_head(fmu: Fmu):
+    instance = fmu.instance()
+    instance.initialize()
+    data = instance.slave.serializeFMUstate(instance.slave.getFMUstate())
+    assert data[:8] == b"CABLEFMU"
+    assert int.from_bytes(data[8:12], "little") == 1
+    instance.close()
+
+
+# -- communication step
+
+
+def deviation(fmu: Fmu, order: int, step: float, duration: float) -> np.ndarray:
+    """Rms deviation of force_x, force_z, body.x, body.z from a run whose top is known exactly, over their half ranges."""
+    values = {"top.motion_order": order, "solver.time_step": 0.003125, "solver.nodes": 21}
+    watched = [OUTPUTS.index(name) for name in ("top.force_x", "top.force_z", "body.x", "body.z")]
+    model, instance = library(fmu, values), fmu.instance()
+    instance.initialize(values, SMOOTH(0.0))
+    model.initialize(SMOOTH(0.0))
+    rows = []
+    for k in range(round(duration / step)):
+        time = k * step
+        model.advance(time, step, SMOOTH(time), SMOOTH((k + 1) * step))
+        rows.append((instance.step(time, step, SMOOTH(time))[watched], model.outputs[watched]))
+    instance.close()
+    got, exact = np.array(rows).transpose(1, 0, 2)
+    return np.sqrt(np.mean((got - exact) ** 2, axis=0)) / (0.5 * np.ptp(exact, axis=0))
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_error_of_sampled_inputs_falls_with_the_fourth_power_of_the_communication_step(fmu: Fmu, order: int):
+    """Positions to 0.15 of order 4; forces, which ring with the cable's own waves, at order 2 or better between ends."""
+    steps = np.array([0.2, 0.1, 0.05, 0.025])
+    errors = np.array([deviation(fmu, order, step, 14.0) for step in steps])
+    forces = np.log(errors[0, :2] / errors[-1, :2]) / np.log(steps[0] / steps[-1])
+    assert (forces > 2.0).all()
+    assert np.log2(errors[1, 3] / errors[2, 3]) == pytest.approx(4.0, abs=0.15)
+    assert errors[2].max() < 1.0e-3
+
+
+def test_what_is_extrapolated_exactly_does_not_depend_on_the_communication_step(fmu: Fmu):
+    """A top of constant velocity: the same internal steps, whatever the communication step."""
+    values = {"solver.time_step": 0.0125, "solver.nodes": 21}
+
+    def tow(time: float) -> np.ndarray:
+        return np.array([0.3 * time, 0.0, 0.1 * time, 0.3, 0.0, 0.1, 0.0, 0.0, 0.0])
+
+    ends = []
+    for step in (0.0125, 0.025, 0.1, 0.5):
+        instance = fmu.instance()
+        instance.initialize(values, tow(0.0))
+        for k in range(round(2.0 / step)):
+            row = instance.step(k * step, step, tow(k * step))
+        ends.append(row[: OUTPUTS.index("solver.steps")])
+        instance.close()
+    scale = np.abs(ends[0]) + 1e-6 * np.abs(ends[0]).max()
+    assert (np.abs(np.array(ends[1:]) - ends[0]) / scale).max() < 1e-6
+
+
+def test_any_step_is_taken(fmu: Fmu):
+    instance, model = fmu.instance(), library(fmu)
+    instance.initialize(None, SMOOTH(0.0))
+    model.initialize(SMOOTH(0.0))
+    time, random = 0.0, np.random.default_rng(1)
+    for step in (1e-6, 0.001, *random.uniform(0.005, 0.08, 100), 0.2, 1e-3):
+        got = instance.step(time, step, SMOOTH(time))
+        model.advance(time, step, SMOOTH(time), SMOOTH(time + step))
+        time += step
+    for name in ("body.x", "body.z"):
+        assert got[OUTPUTS.index(name)] == pytest.approx(model.outputs[OUTPUTS.index(name)], abs=0.02)
+    instance.close()
+
+
+# -- files and versions
+
+
+def changed_sources(folder: Path, factor: float) -> Path:
+    """A copy of both packages in which gravity is multiplied."""
+    for package in ("cable_model", "fmu_src"):
+        shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__", "*.toml"))
+    scene = folder / "cable_model" / "scene.py"
+    text = scene.read_text(encoding="utf-8")
+    wrapped = f"""
+
+_plain_numbers = numbers_of
+
+
+def numbers_of(scene):
+    numbers = _plain_numbers(scene)
+    numbers[PARAMETERS.index("environment.gravity")] *= {factor}
+    return numbers
+"""
+    scene.write_text(text + wrapped, encoding="utf-8")
+    return folder
+
+
+def test_two_versions_live_in_one_process(build_fmu: ModuleType, fmus: dict[str, Fmu], tmp_path: Path):
+    root = changed_sources(tmp_path / "sources", 2.0)
+    other = Fmu(build_fmu.build("chain", generic_scene(), tmp_path / "CableChain.fmu", root), tmp_path / "x")
+    assert other.description.guid != fmus["chain"].description.guid
+    one, two = fmus["chain"].instance(), other.instance()
+    one.initialize()
+    two.initialize()
+    assert two.get("top.tension") == pytest.approx(2.0 * float(one.get("top.tension")), rel=1e-6)
+    foreign = one.slave.serializeFMUstate(one.slave.getFMUstate())
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        two.slave.deSerializeFMUstate(foreign)
+    one.close()
+    two.close()
+
+
+def test_an_instance_outlives_its_unzipped_folder(fmu: Fmu, tmp_path: Path):
+    gone = Fmu(fmu.path, tmp_path / "x")
+    instance = gone.instance()
+    shutil.rmtree(tmp_path / "x")
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(20), fresh(fmu))
+    instance.close()
+
+
+def vendored(folder: Path) -> Path:
+    package = folder / "some_package"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("VALUE = 3\n")
+    return package
+
+
+def test_staging_finds_the_same_content_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    one, two = vendored(tmp_path / "a"), vendored(tmp_path / "b")
+    assert staging.staged(one) == staging.staged(two)
+    assert staging.staged(one).is_relative_to(tmp_path / "cache")
+    assert not list((tmp_path / "cache").rglob("new-*"))
+    (two / "__init__.py").write_text("VALUE = 4\n")
+    assert staging.staged(one) != staging.staged(two)
+
+
+def test_staging_falls_back_where_nothing_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    package = vendored(tmp_path / "a")
+    assert staging.staged(package) == package
+    assert staging.load("some_package", tmp_path / "a").VALUE == 3
+    del sys.modules["some_package"]
+
+
+def test_a_half_written_copy_is_never_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    package = vendored(tmp_path / "a")
+
+    def broken(*arguments: object, **keywords: object) -> None:
+        raise OSError("disk full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(staging.shutil, "copytree", broken)
+        assert staging.staged(package) == package
+    assert staging.staged(package) != package
+    assert (staging.staged(package) / "__init__.py").read_text() == "VALUE = 3\n"
+
+
+def test_an_instance_needs_neither_scipy_nor_matplotlib_of_ours(fmu: Fmu):
+    """What the slave itself imports; numba may import scipy when it compiles."""
+    program = (
+        "import sys; sys.argv = ['x']; sys.path.insert(0, sys.path.pop())\n"
+        "from pythonfmu import Fmi2Slave\n"
+        f"sys.path.insert(0, {str(Path(fmu.folder) / 'resources')!r})\n"
+        f"__import__(open({str(Path(fmu.folder) / 'resources' / 'slavemodule.txt')!r}).read().strip())\n"
+        "print([name for name in ('scipy', 'matplotlib', 'fmpy', 'typer') if name in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_an_instance_is_driven_by_the_names_of_the_signals(fmu: Fmu):
+    """The helper of these tests and the table agree on value references."""
+    instance: Instance = fmu.instance()
+    assert [fmu.references[name] for name in (*INPUTS, *OUTPUTS)] == list(range(len(INPUTS) + len(OUTPUTS)))
+    instance.slave.freeInstance()
