@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check."""
+"""The command line: run, plot, describe, compare, check, bench."""
 
 from __future__ import annotations
 
@@ -202,6 +202,19 @@ def check(
     if not reference.is_file():
         raise ParameterError(f"{reference}: no such file. Make it with --write.")
     _print_differences(compare(result_columns, result, *read_csv(reference), rtol, atol))
+
+
+@app.command()
+def bench(repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7) -> None:
+    """Measure what each effect costs on this machine, switched on alone."""
+    from cable_model.benchmark import measure
+
+    table = Table(title="Cost of the chain's kernels, forced chain of 101 nodes")
+    for column in ("effects", "us per node and iteration", "iterations per step", "ratio to the bare chain"):
+        table.add_column(column, justify="left" if column == "effects" else "right")
+    for cost in measure(repetitions=repetitions):
+        table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
+    console.print(table)
 
 
 def main() -> None:
