@@ -111,7 +111,8 @@ class Model:
 
     def _measure(self, status: int) -> str:
         """How bad a failed step is."""
-        return f"node {int(self.state[header.ERROR_NODE])}, last Newton change {self.state[header.ERROR_SIZE]:.3g} m/s"
+        size, node = self.state[header.ERROR_SIZE], int(self.state[header.ERROR_NODE])
+        return f"largest last Newton change {size:.3g} at node {node} from the lower end"
 
     @staticmethod
     def _finite(inputs: np.ndarray) -> np.ndarray:

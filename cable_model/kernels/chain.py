@@ -242,6 +242,19 @@ def _local_error(parts, problem, view, c, h, like):
 
 
 @kernel
+def _note_worst(x, state):
+    """Where the last Newton change was largest, and how large; a change that is not a number is the worst."""
+    state[header.ERROR_SIZE] = 0.0
+    for i in range(x.shape[0]):
+        for k in range(x.shape[1]):
+            if not abs(x[i, k]) <= state[header.ERROR_SIZE]:
+                state[header.ERROR_SIZE] = abs(x[i, k])
+                state[header.ERROR_NODE] = i
+                if x[i, k] != x[i, k]:
+                    return
+
+
+@kernel
 def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
@@ -272,6 +285,7 @@ def advance(parts, p, time, span, path, state, work):
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
+            _note_worst(view.scratch.x, state)
             h = 0.25 * used
             if h < SMALLEST_STEP * p[21]:
                 return header.STEP_TOO_SMALL
