@@ -1,0 +1,169 @@
+"""Builds native FMUs: kernels as object code and the C layer, linked into a library that needs no Python."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element, indent, tostring
+
+import numba
+
+from cable_model import __version__
+from cable_model.errors import ParameterError
+from cable_model.kernels.jit import source_hash
+from cable_model.kernels.problem import Parts
+from cable_model.models import MODELS
+from cable_model.scene import Scene, parts_of
+from fmu_src.interface import Variable, generic_scene, table
+from fmu_src.model_description import model_description, osp_description
+from fmu_src.native.export import ABSENT, ALWAYS, EITHER, PRESENT, Variant, export
+from fmu_src.native.header import c_header
+
+HERE = Path(__file__).resolve().parent
+IDENTIFIERS = {"chain": "CableChain", "tow": "TowCable"}
+COMPILERS = ("cc", "gcc", "clang")
+FLAGS = (
+    "-std=gnu11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden",
+    "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack", "-Wl,-s",
+)  # fmt: skip
+EPOCH = (1980, 1, 1, 0, 0, 0)
+
+# parts of an FMU without a baked scene, which parameters switch on and off
+_ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
+    "slack": EITHER, "bending": EITHER, "body": EITHER, "anchor": EITHER, "water": EITHER,
+    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
+}  # fmt: skip
+_ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
+    "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,
+    "tension_floor": PRESENT, "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
+}  # fmt: skip
+GENERIC: dict[str, tuple[Variant, ...]] = {"chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}), "tow": (_ANY_TOW,)}
+
+
+def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
+    """What is compiled: exactly the parts of a baked scene, or the generic set."""
+    if scene is None:
+        return GENERIC[model]
+    return ({name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()},)
+
+
+def _kernels(model: str, variants: Sequence[Variant]) -> bytes:
+    """Object code of the variants; kept in the user's cache by the content of everything that makes it."""
+    import platformdirs
+
+    made_from = [source_hash(), numba.__version__, model, json.dumps(list(variants))]
+    made_from += [path.read_text(encoding="utf-8") for path in (HERE / "export.py", HERE / "presence.py")]
+    name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
+    path = Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
+    if path.is_file():
+        return path.read_bytes()
+    code = export(model, variants)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = path.with_name(f"{name}.{uuid.uuid4().hex}")
+        part.write_bytes(code)
+        part.replace(path)
+    except OSError:
+        pass  # a cache that cannot be written is none
+    return code
+
+
+def compiler() -> str | None:
+    """The C compiler, if there is one."""
+    return next((found for name in COMPILERS if (found := shutil.which(name))), None)
+
+
+def fmi_headers() -> Path:
+    """The folder of the FMI 2.0 headers that come with fmpy."""
+    import fmpy
+
+    return Path(fmpy.__file__).parent / "c-code"
+
+
+def _link(header: str, kernels: bytes) -> bytes:
+    found = compiler()
+    if found is None or sys.platform != "linux":
+        raise ParameterError("C compiler = none: must be cc, gcc or clang on 64-bit Linux. Install one, or build with --no-native.")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "model.h").write_text(header, encoding="utf-8")
+        (folder / "kernels.o").write_bytes(kernels)
+        for source in ("fmu.c", "component.h"):
+            shutil.copy(HERE / source, folder)
+        command = [found, *FLAGS, f"-I{fmi_headers()}", "-o", "fmu.so", "fmu.c", "kernels.o", "-lm"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise ParameterError(f"{' '.join(command)}: failed. {done.stderr}")
+        return (folder / "fmu.so").read_bytes()
+
+
+def _guid(*facts: str | bytes) -> str:
+    digest = hashlib.sha256(b"\0".join(fact if isinstance(fact, bytes) else fact.encode() for fact in facts)).digest()
+    return "{" + str(uuid.UUID(bytes=digest[:16])) + "}"
+
+
+def _description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, model: str) -> bytes:
+    text = f"{MODELS[model].__name__}: cable under a moving top end. {scene.title}".strip()
+    root = model_description(identifier, guid, rows, scene, text, f"cable_fmu {__version__}, native")
+    for capabilities in root.iter("CoSimulation"):
+        capabilities.set("canNotUseMemoryManagementFunctions", "false")
+    return _xml(root)
+
+
+def _xml(root: Element) -> bytes:
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
+
+
+def _zip(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, content in files.items():
+            info = zipfile.ZipInfo(name, EPOCH)
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
+            archive.writestr(info, content, compresslevel=9)
+    return buffer.getvalue()
+
+
+def build_native(model_name: str, destination: Path, scene: Scene | None = None) -> Path:
+    """Write the native FMU of a model ("chain" or "tow").
+
+    scene None: the parameters decide on the effects when the FMU initializes; otherwise the scene is baked in and only its effects are
+    compiled.  The same input gives the same bytes.  Raises ParameterError where no C compiler is there.
+    """
+    identifier = re.sub(r"\W", "_", destination.stem, flags=re.ASCII)
+    identifier = identifier if identifier[:1].isalpha() else f"Cable_{identifier}"
+    base = generic_scene() if scene is None else scene
+    rows, variants = table(base), variants_of(model_name, scene)
+    header = c_header(identifier, rows, base, model_name, variants)
+    kernels = _kernels(model_name, variants)
+    sources = [(HERE / name).read_text(encoding="utf-8") for name in ("fmu.c", "component.h")]
+    draft = _description(identifier, "", rows, base, model_name)
+    guid = _guid(header, kernels, *sources, draft)
+    library = _link(f'#define MODEL_GUID "{guid}"\n{header}', kernels)
+    files = {
+        "modelDescription.xml": _description(identifier, guid, rows, base, model_name),
+        f"binaries/linux64/{identifier}.so": library,
+        "resources/OspModelDescription.xml": _xml(osp_description()),
+    }
+    destination.parent.mkdir(parents=True, exist_ok=True)
+    destination.write_bytes(_zip(files))
+    return destination
+
+
+def build_all(folder: Path) -> list[Path]:
+    """The generic native FMUs of both models; none, with a line on stderr, where no C compiler is there."""
+    if compiler() is None or sys.platform != "linux":
+        sys.stderr.write("No native FMUs: they need Linux and a C compiler (cc, gcc or clang).\n")
+        return []
+    return [build_native(model, folder / f"{identifier}.fmu") for model, identifier in IDENTIFIERS.items()]

@@ -1,0 +1,275 @@
+/* One instance: its errors, its memory, and the way from parameter values to the kernels.  No FMI calls; included once, by fmu.c.
+   Everything that an instance is lies in Core and in the kernels' state vector. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi2Functions.h"
+#include "model.h"
+
+typedef enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED } Phase;
+static const char *const phases[] = {"instantiated", "initializing", "running", "failed", "terminated"};
+
+typedef struct {
+    double values[N_VARIABLES]; /* of every kind; a String's place is empty */
+    double entered[N_INPUTS];   /* inputs when initialization began: outputs depend on no later ones before it ends */
+    double start_time, last_time;
+    double phase, outdated, initialized;
+} Core;
+
+typedef struct {
+    fmi2CallbackFunctions call;
+    char *name;
+    int logging;
+    Core core;
+    int variant;
+    double numbers[N_NUMBERS], present[N_PARTS];
+    double levels[N_BAKED_LEVELS + 1][3], component[1][5];
+    int64_t n_levels, n_components, n_state, n_work;
+    double *state, *work;
+    char active[1024];
+} Instance;
+
+/* numba's views of the arrays ask for this; they are all contiguous */
+int numba_attempt_nocopy_reshape(intptr_t nd, const intptr_t *dims, const intptr_t *strides, intptr_t new_nd, const intptr_t *new_dims,
+                                 intptr_t *new_strides, intptr_t item, int fortran)
+{
+    (void)dims;
+    if (fortran || nd != 1 || strides[0] != item)
+        return 0;
+    for (intptr_t k = new_nd - 1, stride = item; k >= 0; stride *= new_dims[k--])
+        new_strides[k] = stride;
+    return 1;
+}
+
+/* -- errors and memory */
+
+static void tell(const Instance *m, fmi2Status status, const char *category, const char *format, va_list arguments)
+{
+    char text[2048], safe[4096];
+    size_t n = 0;
+    vsnprintf(text, sizeof text, format, arguments);
+    for (const char *at = text; *at; at++) { /* many hosts use the format itself: it holds the whole text */
+        if (*at == '%')
+            safe[n++] = '%';
+        safe[n++] = *at;
+    }
+    safe[n] = 0;
+    if (m->call.logger)
+        m->call.logger(m->call.componentEnvironment, m->name, status, category, safe);
+}
+
+static fmi2Status fail(const Instance *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    tell(m, fmi2Error, "logStatusError", format, arguments);
+    va_end(arguments);
+    return fmi2Error;
+}
+
+static void inform(const Instance *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    if (m->logging)
+        tell(m, fmi2OK, "logAll", format, arguments);
+    va_end(arguments);
+}
+
+/* "name = value unit": how every text about a value begins */
+static const char *shown(int vr, double value, char text[200])
+{
+    const Variable *v = &variables[vr];
+    char number[40];
+    snprintf(number, sizeof number, v->kind == 'R' ? "%.10g" : "%.0f", isnan(value) ? fabs(value) : value);
+    const char *is = v->kind == 'B' ? (value != 0.0 ? "True" : "False") : number;
+    snprintf(text, 200, "%s = %s%s%s", v->scene_name, is, *v->unit ? " " : "", v->unit);
+    return text;
+}
+
+static fmi2Status refuse(const Instance *m, int vr, double value, const char *rule)
+{
+    char text[200];
+    return fail(m, "%s: must be %s", shown(vr, value, text), rule);
+}
+
+static void *take(const Instance *m, size_t size)
+{
+    void *memory = m->call.allocateMemory && m->call.freeMemory ? m->call.allocateMemory(1, size) : malloc(size);
+    return memory ? memset(memory, 0, size) : NULL;
+}
+
+static void give_back(const Instance *m, void *memory)
+{
+    if (memory)
+        (m->call.allocateMemory && m->call.freeMemory ? m->call.freeMemory : free)(memory);
+}
+
+/* -- from parameters to kernels */
+
+static int nonzero(const Core *core, int vr)
+{
+    double value = core->values[vr];
+    return variables[vr].angle ? fabs(sin(value)) > 1e-9 : value != 0.0;
+}
+
+static int holds(const Core *core, const Condition *condition)
+{
+    int all = condition->count >= 0;
+    for (int k = 0; k < condition->count; k++)
+        all &= nonzero(core, condition->literals[k].variable) == condition->literals[k].nonzero;
+    return all;
+}
+
+static fmi2Status check_parameters(const Instance *m)
+{
+    for (int vr = 0; vr < N_VARIABLES; vr++) {
+        const Variable *v = &variables[vr];
+        double value = m->core.values[vr];
+        if (v->causality != 'p')
+            continue;
+        if (!isfinite(value))
+            return refuse(m, vr, value, v->finite);
+        if (value < v->least || value > v->most || (v->above && value == v->least))
+            return refuse(m, vr, value, v->range);
+    }
+    for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++)
+        if (holds(&m->core, &refusals[k].when))
+            return refuse(m, refusals[k].variable, m->core.values[refusals[k].variable], refusals[k].text);
+    return fmi2OK;
+}
+
+static int serves(const char *variant, const double *present)
+{
+    int all = 1;
+    for (int k = 0; k < N_PARTS; k++)
+        all &= variant[k] == EITHER || variant[k] == ALWAYS || variant[k] == (present[k] != 0.0 ? PRESENT : ABSENT);
+    return all;
+}
+
+static fmi2Status choose_variant(Instance *m)
+{
+    char text[200];
+    for (int k = 0; k < N_PARTS; k++)
+        m->present[k] = holds(&m->core, &part_is_present[k]);
+    for (m->variant = 0; m->variant < N_VARIANTS; m->variant++)
+        if (serves(variants[m->variant], m->present))
+            return fmi2OK;
+    for (int k = 0; k < N_PARTS; k++) {
+        Literal l = unsupported[k];
+        if (l.variable >= 0 && nonzero(&m->core, l.variable) == l.nonzero)
+            return fail(m, "%s: must be %s: this native FMU was compiled %s the part '%s'. Use the FMU that runs Python, or bake the scene.",
+                        shown(l.variable, m->core.values[l.variable], text), l.nonzero ? "0" : "other than 0",
+                        l.nonzero ? "without" : "with", part_names[k]);
+    }
+    return fail(m, "effects: must be those that this native FMU was compiled with. Use the FMU that runs Python, or bake the scene.");
+}
+
+/* As scene._current_table and scene._wave_table: one row each, zeros where there is none. */
+static void fill_tables(Instance *m)
+{
+    const double *x = m->core.values, omega = 2.0 * 3.141592653589793 / x[WAVE_PERIOD];
+    const double one_level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
+    const double wave[5] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], x[WAVE_DIRECTION], x[WAVE_PHASE]};
+    memset(m->levels, 0, sizeof m->levels);
+    m->n_levels = 1;
+    m->n_components = m->present[WAVES] != 0.0;
+    memcpy(m->component, wave, sizeof wave);
+    if (N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0) {
+        m->n_levels = N_BAKED_LEVELS;
+        memcpy(m->levels, baked_levels, N_BAKED_LEVELS * sizeof *baked_levels);
+    } else if (m->present[CURRENT] != 0.0)
+        memcpy(m->levels, one_level, sizeof one_level);
+}
+
+static int64_t run(Instance *m, int what, double time, double step, const double *inputs, double *outputs)
+{
+    int64_t status = OK;
+    void *error = NULL;
+    int broken = kernels[m->variant](&status, &error, what, time, step, (int64_t)m->core.values[MOTION_ORDER], inputs, m->numbers,
+                                     m->present, m->levels[0], m->n_levels, m->component[0], m->n_components, m->state, m->n_state,
+                                     m->work, m->n_work, outputs);
+    for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
+        if (!isfinite(outputs[k]))
+            status = NOT_FINITE;
+    return broken ? NOT_FINITE : status;
+}
+
+/* Checks the values, chooses the variant and makes room for its state. */
+static fmi2Status prepare(Instance *m)
+{
+    double sizes[N_OUTPUTS] = {0.0};
+    if (check_parameters(m) != fmi2OK || choose_variant(m) != fmi2OK)
+        return fmi2Error;
+    for (int k = 0; k < N_NUMBERS; k++) {
+        Number from = numbers_from[k];
+        m->numbers[k] = m->core.values[from.variable];
+        if (from.below_zero >= 0 && m->numbers[k] < 0.0)
+            m->numbers[k] = m->core.values[from.below_zero];
+    }
+    fill_tables(m);
+    run(m, SIZES, 0.0, 0.0, m->core.values, sizes);
+    give_back(m, m->state);
+    m->n_state = (int64_t)sizes[0];
+    m->n_work = (int64_t)sizes[1];
+    m->state = take(m, (size_t)(m->n_state + m->n_work) * sizeof(double));
+    if (!m->state)
+        return fail(m, "memory = %.0f numbers: must be available. Reduce solver.nodes.", sizes[0] + sizes[1]);
+    m->work = m->state + m->n_state;
+    return fmi2OK;
+}
+
+static fmi2Status report(const Instance *m, int64_t status, double now, double speed)
+{
+    double time = fmax(m->state[ERROR_TIME], now), node = m->state[ERROR_NODE], size = m->state[ERROR_SIZE];
+    (void)node;
+    if (status == TOO_FAST)
+        return fail(m, "speed of the top = %.10g m/s: must be %s", speed, TOO_FAST_TEXT);
+    return fail(m, status > OK && status <= LAST_STATUS ? failures[status] : "%.6g s: unknown failure", FAILURE_ARGUMENTS);
+}
+
+static fmi2Status check_inputs(const Instance *m, const double *inputs)
+{
+    for (int k = 0; k < N_INPUTS; k++)
+        if (!isfinite(inputs[k]))
+            return refuse(m, k, inputs[k], variables[k].finite);
+    return fmi2OK;
+}
+
+static fmi2Status initialize(Instance *m, const double *inputs)
+{
+    double outputs[N_OUTPUTS];
+    if (prepare(m) != fmi2OK || check_inputs(m, inputs) != fmi2OK)
+        return fmi2Error;
+    int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);
+    if (status != OK)
+        return report(m, status, m->core.start_time, 0.0);
+    memcpy(m->core.values + N_INPUTS, outputs, sizeof outputs);
+    m->core.last_time = m->core.start_time;
+    m->core.initialized = 1.0;
+    m->core.outdated = 0.0;
+    return fmi2OK;
+}
+
+/* The active effects and the values that switched them on, as effects.one_line. */
+static const char *active_effects(Instance *m)
+{
+    size_t at = 0;
+    m->active[0] = 0;
+    for (size_t k = 0; m->core.initialized != 0.0 && k < sizeof effects / sizeof *effects && at < sizeof m->active; k++) {
+        const Effect *e = &effects[k];
+        double value = e->variable < 0 ? 0.0 : m->core.values[e->variable];
+        char number[40] = "";
+        if (!holds(&m->core, &e->when))
+            continue;
+        if (e->variable >= 0)
+            snprintf(number, sizeof number, "%g", value);
+        if (e->variable >= 0 && variables[e->variable].kind == 'B')
+            strcpy(number, value != 0.0 ? "true" : "false");
+        at += (size_t)snprintf(m->active + at, sizeof m->active - at, "%s%s%s%s%s%s", at ? "; " : "", e->words, number,
+                               *e->unit ? " " : "", e->unit, e->variable < 0 ? "" : ")");
+    }
+    return m->active;
+}

@@ -1,0 +1,197 @@
+"""Compiles the kernels to object code for any x86-64 Linux machine: `python -m fmu_src.native.export < request.json`.
+
+A process of its own, so that numba's just-in-time compiler elsewhere is not disturbed.  numba writes each entry as LLVM code, not
+optimized; all entries are then linked, freed of reference counts (every array is the C layer's) and optimized as one module, which
+keeps what they have in common once.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+# a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
+ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
+TABLES = ("current", "waves")
+SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
+TOO_FAST = -1  # status of an entry, beside those of the kernels
+PATH, END, WORK = 0, 18, 27  # places in an entry's work array: path, end of the path, the kernels' own
+ENVIRONMENT = {
+    "NUMBA_CPU_NAME": "x86-64",
+    "NUMBA_CPU_FEATURES": "",
+    "NUMBA_OPT": "0",
+    "NUMBA_LOOP_VECTORIZE": "0",
+    "NUMBA_DISABLE_JIT": "0",
+    "PYTHONHASHSEED": "0",
+}
+ENTRY = """
+int32_t {name}(int64_t *status, void **error, int64_t what, double time, double step, int64_t order, const double *inputs,
+               const double *numbers, const double *present, const double *current, int64_t levels, const double *waves,
+               int64_t components, double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
+"""
+
+Variant = Mapping[str, int]
+
+
+def _parts(variant: Variant) -> Any:
+    """A jitted function of (present, current, waves) that makes the parts of a variant."""
+    from numba import njit
+
+    from cable_model.kernels.problem import Parts
+
+    @njit
+    def either(value):
+        if value != 0.0:
+            return True
+        return None
+
+    made = []
+    for k, name in enumerate(Parts._fields):
+        if variant[name] == ABSENT:
+            made.append("None")
+        elif name in TABLES:
+            made.append(name)
+        else:
+            made.append(f"either(present[{k}])" if variant[name] == EITHER else "True")
+    # numba wants the members of a named tuple spelled out
+    return njit(eval(f"lambda present, current, waves: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+
+
+def _entry(kernels: Any, variant: Variant) -> Any:
+    """The calls of model.Model, from plain pointers."""
+    from numba import carray
+
+    from cable_model.kernels import header, top
+    from cable_model.kernels.problem import PARAMETERS, Parts
+    from cable_model.model import FASTEST_TOP
+    from cable_model.signals import INPUTS, OUTPUTS
+
+    parts_now = _parts(variant)
+    advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
+    state_size, work_size = kernels.state_size, kernels.work_size
+    first_top, ok = header.TOP, header.OK
+    n_inputs, n_numbers, n_parts, n_outputs = len(INPUTS), len(PARAMETERS), len(Parts._fields), len(OUTPUTS)
+
+    def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
+        inputs = carray(x, (n_inputs,))
+        numbers = carray(p, (n_numbers,))
+        parts = parts_now(carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 5)))
+        outputs = carray(out, (n_outputs,))
+        if what == SIZES:
+            outputs[0] = state_size(parts, numbers)
+            outputs[1] = WORK + work_size(parts, numbers)
+            return ok
+        state = carray(y, (n_y,))
+        work = carray(w, (n_w,))
+        if what == START:
+            top.start_top(order, state, inputs)
+            status = initialize(parts, numbers, time, state, work[WORK:])
+        else:
+            path = work[PATH:END].reshape((6, 3))
+            end = work[END:WORK]
+            top.predict(order, state, inputs, step, end)
+            top.quintic(state[first_top : first_top + 9], end, step, path)
+            outputs[0] = top.mean_speed(path, step)
+            if outputs[0] > FASTEST_TOP:
+                return TOO_FAST
+            status = advance(parts, numbers, time, step, path, state, work[WORK:])
+        if status == ok:
+            write_outputs(parts, numbers, state, work[WORK:], outputs)
+            if what == STEP:
+                top.remember(order, state, inputs, step)
+        return status
+
+    return entry
+
+
+def _compile(entry: Any) -> tuple[str, Any]:
+    """Symbol and LLVM module of an entry, not optimized, without a wrapper for Python."""
+    from numba import types
+    from numba.core import compiler
+    from numba.core.registry import cpu_target
+
+    kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64)}
+    arguments = tuple(kinds[kind] for kind in "iddippppipipipip")  # as ENTRY
+    flags: Any = compiler.Flags()
+    flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
+    flags.enable_pyobject = False
+    flags.error_model = "numpy"
+    typing_context, target_context = cpu_target.typing_context, cpu_target.target_context
+    typing_context.refresh()
+    target_context.refresh()
+    made = compiler.compile_extra(typing_context, target_context, entry, arguments, types.int64, flags, {})
+    if not made.library._finalized:
+        made.library.finalize()
+    return made.fndesc.llvm_func_name, made.library._final_module
+
+
+def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
+    """One object file with the entries kernel_0, kernel_1, ... of the linked modules."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    linked = llvm.parse_assembly("")
+    for _, module in modules:
+        linked.link_in(module, preserve=True)
+    text = str(linked)
+    for k, (symbol, _) in enumerate(modules):
+        text = re.sub(rf'@"?{re.escape(symbol)}"?(?![\w.$])', f"@kernel_{k}", text)
+    for counted in ("NRT_incref", "NRT_decref"):  # no array of the kernels owns its memory
+        body = rf"define linkonce_odr void @{counted}\(ptr [^)]*\)[^{{]*{{.*?\n}}"
+        text = re.sub(body, f"define void @{counted}(ptr %0) alwaysinline {{ ret void }}", text, flags=re.DOTALL)
+    # nobody reads what numba would raise, and it names files of this machine
+    text = re.sub(r"(?m)^(@\.const\.picklebuf\S* = internal constant \{[^}]*\}) \{.*\}", r"\1 zeroinitializer", text)
+    module = llvm.parse_assembly(text)
+    module.verify()
+    for value in (*module.functions, *module.global_variables):
+        if value.is_declaration:
+            continue
+        if value.name.startswith("kernel_"):
+            value.visibility = "hidden"
+        else:
+            value.linkage = "internal"
+    target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
+    machine = target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    builder = llvm.create_pass_builder(machine, tuning)
+    passes = builder.getModulePassManager()
+    passes.add_merge_functions_pass()
+    passes.run(module, builder)
+    return machine.emit_object(module)
+
+
+def export(model: str, variants: Sequence[Variant]) -> bytes:
+    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, compiled in a process of its own."""
+    import os
+
+    request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants]})
+    root = Path(__file__).parents[2]
+    done = subprocess.run(
+        [sys.executable, "-m", "fmu_src.native.export"],
+        input=request.encode(), capture_output=True, cwd=root, env={**os.environ, **ENVIRONMENT}, check=False,
+    )  # fmt: skip
+    if done.returncode != 0:
+        raise RuntimeError(f"the export of the kernels failed:\n{done.stderr.decode()}")
+    return done.stdout
+
+
+def main() -> None:
+    from fmu_src.native import presence
+
+    presence.take_over()
+    from cable_model.models import MODELS
+
+    request = json.load(sys.stdin)
+    kernels = MODELS[request["model"]].kernels
+    sys.stdout.buffer.write(_optimized([_compile(_entry(kernels, variant)) for variant in request["variants"]]))
+
+
+if __name__ == "__main__":
+    main()

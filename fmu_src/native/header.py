@@ -1,0 +1,163 @@
+"""The generated C header of a native FMU: interface table, rules, texts of errors and the compiled variants.  No formulas."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cable_model.errors import ParameterError, SolverError
+from cable_model.kernels import header
+from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.model import Model
+from cable_model.models import MODELS
+from cable_model.scene import Scene, parts_of
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.interface import CPU_TIME, EFFECTS, Variable
+from fmu_src.native import export
+from fmu_src.native.export import Variant
+from fmu_src.native.rules import Literal, Rules
+
+TYPES = """
+typedef struct {
+    const char *name, *scene_name, *unit;
+    char kind, causality; /* R I B S; i(nput) o(utput) p(arameter) l(ocal) */
+    double start, least, most;
+    int above, angle; /* whether `least` itself is refused; whether only a direction across the x axis counts as nonzero */
+    const char *finite, *range; /* what the value must be, and what to do */
+} Variable;
+typedef struct { int variable, nonzero; } Literal;
+typedef struct { int count; Literal literals[4]; } Condition; /* all of them; count < 0: never */
+typedef struct { Condition when; int variable; const char *text; } Refusal;
+typedef struct { Condition when; const char *words; int variable; const char *unit; } Effect;
+typedef struct { int variable, below_zero; } Number; /* the second takes the place of a negative first one */
+"""
+
+
+def _text(value: str) -> str:
+    return json.dumps(value)
+
+
+def _number(value: float | None, missing: float) -> str:
+    value = missing if value is None else float(value)
+    return ("-" if value < 0 else "") + "HUGE_VAL" if math.isinf(value) else repr(value)
+
+
+def _condition(literals: Sequence[Literal] | None) -> str:
+    if literals is None:
+        return "{-1, {{0, 0}}}"
+    return f"{{{len(literals)}, {{{', '.join(f'{{{vr}, {int(on)}}}' for vr, on in literals) or '{0, 0}'}}}}}"
+
+
+def _array(kind: str, name: str, lines: Iterable[str], size: str = "") -> str:
+    return f"static const {kind} {name}[{size}] = {{\n" + "".join(f"    {line},\n" for line in lines) + "};\n"
+
+
+def _variable(row: Variable, rules: Rules, vr: int) -> str:
+    limit = rules.limits.get(vr)
+    unit = limit.unit if limit else row.unit
+    facts = [_text(row.name), _text(row.scene_name or row.name), _text(unit), f"'{row.kind[0]}'", f"'{row.causality[0]}'"]
+    facts += [_number(row.start, 0.0), _number(row.minimum, -math.inf), _number(row.maximum, math.inf)]
+    facts += [str(int(row.minimum_excluded)), str(int(row.unit == "rad"))]
+    facts += [_text(limit.finite if limit else rules.finite_input), _text(limit.range if limit else "")]
+    return f"{{{', '.join(facts)}}}"
+
+
+def _bare(kind: type[Model]) -> Model:
+    """A model without a scene, to ask it for the texts of its errors."""
+    model = kind.__new__(kind)
+    model.state = np.zeros(header.HEADER)
+    model._path = np.zeros((6, 3))
+    return model
+
+
+def _failures(model: Model) -> tuple[list[str], str]:
+    """printf formats of the errors of a failed step by status, and the C names of their arguments."""
+    marks = {"77.25": ("%.6g", "time"), "8181": ("%.0f", "node"), "0.625": ("%.3g", "size")}
+    model.state[[header.ERROR_TIME, header.ERROR_NODE, header.ERROR_SIZE]] = [float(mark) for mark in marks]
+    formats, arguments = ['""'], ""
+    for status in range(1, header.OUT_OF_PLANE + 1):
+        try:
+            model._must(status, 0.0)
+        except SolverError as error:
+            text = str(error).replace("%", "%%")
+            used = {mark: made for mark, made in marks.items() if mark in text}
+            for mark, (form, _) in used.items():
+                text = text.replace(mark, form)
+            formats.append(_text(text))
+            arguments = ", ".join(name for _, name in used.values())
+    return formats, arguments
+
+
+def _too_fast(model: Model) -> str:
+    model._path[1, 0] = 1e300
+    try:
+        model._follow(0.0, 1.0)
+    except ParameterError as error:
+        return Rules.tail(str(error))
+    raise ValueError("a top of any speed is accepted. Leave its text out of header.py.")
+
+
+def _unsupported(parts: Mapping[str, Sequence[Literal] | None], variants: Sequence[Variant]) -> list[str]:
+    """For each part the Literal that no variant can do: its variable, and whether the part is what is missing; variable < 0: none."""
+    lines = []
+    for name, literals in parts.items():
+        allowed = {variant[name] for variant in variants}
+        deciding = next(iter(literals or ()), None)
+        if deciding is None or allowed - {export.ABSENT, export.PRESENT} or len(allowed) > 1:
+            lines.append("{-1, 0}")
+        else:
+            (only,) = allowed
+            lines.append(f"{{{deciding[0]}, {int(deciding[1] != (only == export.PRESENT))}}}")
+    return lines
+
+
+def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str, variants: Sequence[Variant]) -> str:
+    """The header of an FMU with these compiled variants; the GUID is defined by the build."""
+    rules = Rules(rows, scene, model)
+    place = {row.name: vr for vr, row in enumerate(rows)}
+    bare = _bare(MODELS[model])
+    formats, arguments = _failures(bare)
+    parts = rules.parts()
+    baked: Any = parts_of(scene, model).current if scene.current.levels else None
+    levels = [] if baked is None else [f"{{{', '.join(repr(float(x)) for x in row)}}}" for row in baked]
+    reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
+    names = {
+        "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_NUMBERS": len(PARAMETERS),
+        "N_PARTS": len(Parts._fields), "N_VARIANTS": len(variants), "CPU_TIME": place[CPU_TIME], "EFFECTS": place[EFFECTS],
+        "MOTION_ORDER": place["top.motion_order"], "GRAVITY": place["environment.gravity"],
+        "CURRENT_SPEED": place["current.speed"], "CURRENT_DIRECTION": place["current.direction"],
+        "WAVE_AMPLITUDE": place["wave.amplitude"], "WAVE_PERIOD": place["wave.period"],
+        "WAVE_DIRECTION": place["wave.direction"], "WAVE_PHASE": place["wave.phase"],
+        "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
+        "ABSENT": export.ABSENT, "PRESENT": export.PRESENT, "EITHER": export.EITHER, "ALWAYS": export.ALWAYS,
+        "SIZES": export.SIZES, "START": export.START, "STEP": export.STEP,
+        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.OUT_OF_PLANE, "TOO_FAST": f"({export.TOO_FAST})",
+        "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
+        "FAILURE_ARGUMENTS": arguments,
+        "TOO_FAST_TEXT": _text(_too_fast(bare)), "STEP_TEXT": _text(rules.step_text),
+        "MODEL_NAME": _text(MODELS[model].__name__), "MODEL_IDENTIFIER": _text(identifier),
+    }  # fmt: skip
+    entries = [f"kernel_{k}" for k in range(len(variants))]
+    blocks = [
+        "/* Written by fmu_src/native/header.py. */\n#include <math.h>\n#include <stdint.h>\n",
+        TYPES,
+        "".join(f"#define {name} {value}\n" for name, value in names.items()),
+        *(export.ENTRY.format(name=name) for name in entries),
+        f"typedef __typeof__({entries[0]}) Kernel;\n",
+        f"static Kernel *const kernels[] = {{{', '.join(entries)}}};\n",
+        _array("Variable", "variables", (_variable(row, rules, vr) for vr, row in enumerate(rows))),
+        _array("Number", "numbers_from", (f"{{{vr}, {instead}}}" for vr, instead in rules.numbers())),
+        _array("Refusal", "refusals", (f"{{{_condition(r.literals)}, {r.variable}, {_text(r.text)}}}" for r in rules.refusals())),
+        _array("Condition", "part_is_present", (_condition(literals) for literals in parts.values())),
+        _array("char", "part_names", (_text(name) for name in parts), "][20"),
+        _array("Literal", "unsupported", _unsupported(parts, variants)),
+        _array("char", "variants", (f"{{{', '.join(str(v[name]) for name in Parts._fields)}}}" for v in variants), "][N_PARTS"),
+        _array("Effect", "effects", reasons),
+        _array("char *const", "failures", formats),
+        _array("double", "baked_levels", levels or ["{0.0, 0.0, 0.0}"], "][3"),
+    ]
+    return "\n".join(blocks)

@@ -1,0 +1,66 @@
+"""Parts that are present or absent when the FMU initializes, not when it is compiled; it serves the export only.
+
+A part of numba's type Optional(bool) answers `part is None` at run time, with the arithmetic of the kernel that is chosen: results are
+bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice `by_presence`.
+"""
+
+from numba import njit, types
+from numba.core.imputils import impl_ret_borrowed
+from numba.core.typing.templates import AbstractTemplate, infer, signature
+from numba.extending import lower_builtin, overload
+
+from cable_model.kernels import jit
+
+
+def kernel(function):
+    """Compile `function` as jit.kernel does, without a cache: no code for another machine can get into the export."""
+    return njit(error_model="numpy")(function)
+
+
+def by_presence(absent, present):
+    """As choice.by_presence, and for a part that is known at run time only a branch to either side, whose types must agree."""
+
+    def choose(part, *args):
+        return absent(part, *args) if part is None else present(part, *args)
+
+    def either(part, *args):
+        if part is None:
+            return absent(None, *args)
+        return present(True, *args)
+
+    @overload(choose, strict=False)
+    def _compiled(part, *args):
+        if isinstance(part, types.Optional):
+            return either
+        if isinstance(part, types.NoneType) or part is None:
+            return lambda part, *args: absent(part, *args)
+        return lambda part, *args: present(part, *args)
+
+    return choose
+
+
+@infer
+class _ItemOfOptionalTuple(AbstractTemplate):
+    """t[0] of a tuple that may be None: kernels ask `t is None` first."""
+
+    key = "static_getitem"
+
+    def generic(self, args, kws):
+        holder, index = args
+        if isinstance(holder, types.Optional) and isinstance(holder.type, types.UniTuple) and isinstance(index, int):
+            return signature(holder.type.dtype, *args)
+        return None
+
+
+@lower_builtin("static_getitem", types.Optional, types.Any)
+def _item_of_optional_tuple(context, builder, sig, args):
+    holder = context.make_helper(builder, sig.args[0], value=args[0])
+    return impl_ret_borrowed(context, builder, sig.return_type, builder.extract_value(holder.data, args[1]))
+
+
+def take_over() -> None:
+    """Let the kernels, which must not be imported yet, be compiled by this file's functions."""
+    jit.kernel = kernel
+    from cable_model.kernels import choice
+
+    choice.by_presence = by_presence
