@@ -1,0 +1,155 @@
+"""The paper's box grid: its equations, its elimination, its statics, and its motion against other codes and the other grid."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import box_plain
+import numpy as np
+import pytest
+from chain_support import HANGING, SECOND_MODE, SHORT_BENDING, WEIGHT, drive, every, make, no_ramp, swing
+
+PLAIN = bool(os.environ.get("NUMBA_DISABLE_JIT"))
+SLOW = pytest.mark.skipif(PLAIN, reason="minutes in plain Python")
+HINGED_BEAM = [1.20241, 2.76025, 4.32965, 5.91057]  # EI = 1e-6, hinged top: Hermite beam eigenvalues
+BOX = HANGING | {
+    "cable": HANGING["cable"] | {"bending_stiffness": SHORT_BENDING},
+    "solver": {"nodes": 101, "time_step": 0.01, "lambda_infinity": -0.5, "grid": "box"},
+}
+
+
+@pytest.fixture(scope="session")
+def plain() -> dict:
+    """Results of box_plain, run without numba: a hundred variants are sooner run than compiled."""
+    if PLAIN:
+        return {check.__name__: check() for check in box_plain.CHECKS}
+    script = Path(box_plain.__file__)
+    run = subprocess.run(
+        [sys.executable, str(script)], cwd=script.parent, env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout)
+
+
+def test_jacobian_is_exact_in_every_variant_without_waves(plain):
+    misfits = {name: misfit for name, misfit in plain["jacobian_misfits"].items() if "waves" not in name}
+    assert len(misfits) == 90
+    assert max(misfits.values()) < 1e-9
+
+
+def test_jacobian_under_waves_lacks_only_the_small_gradient_of_the_waters_acceleration(plain):
+    misfits = {name: misfit for name, misfit in plain["jacobian_misfits"].items() if "waves" in name}
+    assert len(misfits) == 30
+    assert max(misfits.values()) < 2e-6
+
+
+@pytest.mark.parametrize("unknowns", ["4", "6"])
+def test_elimination_solves_matrices_without_a_favoured_pivot(plain, unknowns):
+    assert plain["solver_misfits"][unknowns] < 1e-12
+
+
+def test_newton_converges_quadratically(plain):
+    first, second, third, fourth = plain["newton_changes"][:4]
+    assert second < 0.1 * first
+    assert third < second**2
+    assert fourth < max(third**2, 1e-12)
+
+
+def test_cells_pass_on_power_exactly(plain):
+    assert plain["power_misfit"] < 1e-12
+
+
+def test_uniform_current_on_a_turning_cable_gives_the_forces_of_the_same_motion_in_still_water(plain):
+    assert plain["frame_misfit"] < 1e-12
+
+
+@pytest.mark.parametrize(("mode", "tolerance"), [(0, 1e-3), (1, 1e-3), (2, 1e-3), (3, 1.2e-3)])
+def test_natural_frequencies_of_100_nodes_are_those_of_a_hinged_beam(plain, mode, tolerance):
+    # the fourth is off by 1.09e-3: that is the box's dispersion, see the next test
+    assert plain["frequencies"]["100"][mode] == pytest.approx(HINGED_BEAM[mode], rel=tolerance)
+
+
+@pytest.mark.parametrize("mode", [2, 3])
+def test_natural_frequencies_are_second_order_in_the_cell_length(plain, mode):
+    coarse, fine = (plain["frequencies"][n][mode] - HINGED_BEAM[mode] for n in ("51", "101"))
+    assert coarse / fine > 3.7
+
+
+@pytest.mark.parametrize("name", list(box_plain.AT_REST))
+def test_equilibrium_stays_at_rest_and_meets_top_and_anchor(plain, name):
+    moved, gap, from_anchor = plain["rest"][name]
+    assert moved < 1e-9
+    assert gap < 1e-12
+    assert from_anchor < 1e-9
+
+
+def test_release_force_is_balanced_by_tension_and_shear_at_the_tip(plain):
+    assert plain["pulled_end"] < 1e-10
+
+
+@SLOW
+def test_tip_under_a_suddenly_swung_top_is_that_of_two_other_codes():
+    series = drive(make(BOX), every(0.01, 2.0), swing((0.05, 0.0, 0.0), 3.0, ramp=no_ramp))
+    assert series["body.x"][150] == pytest.approx(0.0469, abs=5e-4)
+    assert series["body.x"][200] == pytest.approx(-0.205, abs=1e-3)
+
+
+@SLOW
+@pytest.mark.parametrize("grid", ["box", "staggered"])
+def test_both_grids_follow_the_reference_of_the_forced_chain(grid):
+    model = make(BOX, solver__grid=grid, solver__lambda_infinity=-0.9)
+    series = drive(model, every(0.01, 8.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
+    assert series["body.x"][[200, 400, 800]] == pytest.approx([0.10606, 0.17905, 0.25092], abs=1e-3)
+    assert series["top.tension"].min() / WEIGHT == pytest.approx(0.831, abs=3e-3)
+    assert series["top.tension"].max() / WEIGHT == pytest.approx(1.303, abs=3e-3)
+
+
+@SLOW
+def test_inextensible_cable_is_the_limit_of_a_stiff_one():
+    motion = swing((0.02, 0.0, 0.0), SECOND_MODE)
+    limit = drive(make(BOX, cable__inextensible=True), every(0.02, 2.0), motion)
+    gaps = []
+    for stiffness in (1e3, 1e9):
+        stiff = drive(make(BOX, cable__axial_stiffness=stiffness * WEIGHT), every(0.02, 2.0), motion)
+        gaps.append(np.max(np.abs(stiff["body.x"] - limit["body.x"])))
+    assert gaps[1] < 1e-6 < 1e-4 < gaps[0]
+    assert stiff["top.tension"] == pytest.approx(limit["top.tension"], abs=1e-5 * WEIGHT)
+
+
+@SLOW
+def test_reported_velocity_of_the_tip_is_the_rate_of_its_reported_position():
+    series = drive(make(BOX), every(0.01, 4.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
+    for axis in "xz":
+        rate = (series[f"body.{axis}"][2:] - series[f"body.{axis}"][:-2]) / 0.02
+        speed = series[f"body.v{axis}"]
+        assert np.max(np.abs(rate - speed[1:-1])) < 0.02 * np.max(np.abs(speed))
+
+
+@SLOW
+@pytest.mark.parametrize("ramp_time", [0.0, 1.0])
+def test_collapse_of_the_paper_runs_through_with_its_geometry_intact(ramp_time):
+    # the linear law carries compression then, and no code's path can be trusted after 2.5 s: invariants only
+    motion = swing((0.0875, 0.0, 0.0), SECOND_MODE, **({"ramp": no_ramp} if ramp_time == 0.0 else {}))
+    model = make(BOX, solver__nodes=100)
+    series = drive(model, every(0.01, 10.0), motion)
+    cells = np.diff(model.positions(), axis=0)
+    lengths = np.linalg.norm(cells, axis=1)
+    assert len(series["time"]) == 1001
+    assert model.positions()[-1] == pytest.approx(motion(10.0)[:3], abs=1e-12)
+    assert lengths == pytest.approx(1.75 / 99, rel=0.02)
+    if ramp_time > 0.0:
+        assert series["body.x"][200] == pytest.approx(0.261, abs=0.006)  # other codes: .256-.266 at 2 s
+
+
+@SLOW
+def test_error_control_halves_its_error_with_a_quarter_of_the_tolerance():
+    motion = swing((0.02, 0.0, 0.0), SECOND_MODE)
+    answers = [
+        drive(make(BOX, solver__time_step=0.05, solver__tolerance=tolerance, cable__axial_stiffness=100.0 * WEIGHT), every(0.1, 2.0), motion)
+        for tolerance in (1e-2, 1e-4, 1e-6)
+    ]
+    errors = [np.max(np.abs(a["body.x"] - answers[-1]["body.x"])) for a in answers[:-1]]
+    assert errors[1] < 0.1 * errors[0]
+    assert answers[0]["solver.steps"][-1] < answers[1]["solver.steps"][-1]
