@@ -3,9 +3,9 @@
 Node 0 is the lower end, node n-1 the prescribed top; cell i joins nodes i and i+1.  State of a step: the cell vectors
 q = (r_(i+1) - r_i)/h and the node velocities v.  q is linear in v, so v is the only unknown of the Newton iteration.
 
-    R_i = inertia_i - f_i + f_(i-1) - loads_i = 0,      f = T t + N g/(l h):  the force that cell i exerts on node i
+    R_i = inertia_i - f_i + f_(i-1) - loads_i = 0,      f = T t + g/h:  the force that cell i exerts on node i
 
-T the tension, N = I - t t, g the gradient of the bending energy by the tangent t.  All is taken at the averaged time of the
+T the tension, g the gradient of the bending energy by q.  All is taken at the averaged time of the
 step, and so is the stretch l: the average of the lengths, not the length of the average, along t = q/l.  A cell that turns far
 within a step then keeps its length, and with alpha_k = 1/2 the work of T is exactly the change of the strain energy.
 Inertia of a cell is shared at its split b (the travel-time midpoint) with weights b - 1/12, 1/12, 1 - b - 1/12:
@@ -186,17 +186,12 @@ def _body_terms(water, parts, body, gains, position, v, a, time):
 
 
 @kernel
-def _curl(x, t, inv):
-    """d(N x / l)/dq at fixed x."""
-    s = dot(t, x)
-    m = add_matrix(outer(x, t), outer(t, x))
-    m = add_matrix(m, add_matrix(diagonal(s, t), scale_matrix(-3.0 * s, outer(t, t))))
-    return scale_matrix(-inv * inv, m)
-
-
-@kernel
 def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
-    """Shear from the bending energy EI |t_(i+1) - t_i|^2/(2 h_node) of every inner node; ends carry no moment."""
+    """Shear from the bending energy EI |q_(i+1) - q_i|^2/(2 h_node) of every inner node; ends carry no moment.
+
+    The curvature is that of the positions by unstretched length: a quadratic energy, so its force is linear and a slack cell
+    that has nearly vanished does no harm.  It differs from the curvature of the tangent by the strain.
+    """
     if bending is None:
         return
     n = x.shape[0]
@@ -204,43 +199,31 @@ def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
     for j in range(lowest + 1, n - 1):  # inner node j between cells j-1 (low) and j (up)
         low = j - 1
         kappa = stiffness / ((1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[j, 1] * mesh[j, 0])
-        q0 = load(q, low, like)
-        q1 = load(q, j, like)
-        i0 = 1.0 / norm(q0)
-        i1 = 1.0 / norm(q1)
-        t0 = scale(i0, q0)
-        t1 = scale(i1, q1)
-        h0 = 1.0 / mesh[low, 0]
-        h1 = 1.0 / mesh[j, 0]
-        # gradient by q of the energy: N g / l with g0 = -kappa t1 on the low cell, g1 = -kappa t0 on the upper one
-        n0 = add_matrix(diagonal(i0, like), scale_matrix(-i0, outer(t0, t0)))
-        n1 = add_matrix(diagonal(i1, like), scale_matrix(-i1, outer(t1, t1)))
-        g0 = scale(-kappa * h0, apply(n0, t1))
-        g1 = scale(-kappa * h1, apply(n1, t0))
-        # dE/dr: node low: -g0, node j: g0 - g1, node j+1: g1; x holds minus the residual
-        store(x, low, add(load(x, low, like), g0))
-        store(x, j, add(load(x, j, like), sub(g1, g0)))
-        store(x, j + 1, sub(load(x, j + 1, like), g1))
-        a00 = scale_matrix(-kappa * gains.q * h0 * h0, _curl(t1, t0, i0))
-        a11 = scale_matrix(-kappa * gains.q * h1 * h1, _curl(t0, t1, i1))
-        a01 = scale_matrix(-kappa * gains.q * h0 * h1, multiply(n0, n1))
-        a10 = scale_matrix(-kappa * gains.q * h0 * h1, multiply(n1, n0))
-        # Hessian of E by (r_low, r_j, r_up) with q0 ~ r_j - r_low, q1 ~ r_up - r_j
-        _add_to(bands, 2, low, a00)
-        _add_to(bands, 3, low, add_matrix(a01, scale_matrix(-1.0, a00)))
-        _add_to(bands, 4, low, scale_matrix(-1.0, a01))
-        _add_to(bands, 1, j, add_matrix(a10, scale_matrix(-1.0, a00)))
-        _add_to(bands, 2, j, add_matrix(add_matrix(a00, a11), scale_matrix(-1.0, add_matrix(a01, a10))))
-        _add_to(bands, 3, j, add_matrix(a01, scale_matrix(-1.0, a11)))
-        _add_to(bands, 0, j + 1, scale_matrix(-1.0, a10))
-        _add_to(bands, 1, j + 1, add_matrix(a10, scale_matrix(-1.0, a11)))
-        _add_to(bands, 2, j + 1, a11)
+        below = 1.0 / mesh[low, 0]
+        above = 1.0 / mesh[j, 0]
+        middle = -below - above
+        turn = scale(kappa, sub(load(q, j, like), load(q, low, like)))
+        # d(q_up - q_low) = below dr_low + middle dr_j + above dr_up; x holds minus the residual
+        store(x, low, axpy(-below, turn, load(x, low, like)))
+        store(x, j, axpy(-middle, turn, load(x, j, like)))
+        store(x, j + 1, axpy(-above, turn, load(x, j + 1, like)))
+        k = kappa * gains.q
+        _add_diagonal(bands, 2, low, k * below * below, like)
+        _add_diagonal(bands, 3, low, k * below * middle, like)
+        _add_diagonal(bands, 4, low, k * below * above, like)
+        _add_diagonal(bands, 1, j, k * middle * below, like)
+        _add_diagonal(bands, 2, j, k * middle * middle, like)
+        _add_diagonal(bands, 3, j, k * middle * above, like)
+        _add_diagonal(bands, 0, j + 1, k * above * below, like)
+        _add_diagonal(bands, 1, j + 1, k * above * middle, like)
+        _add_diagonal(bands, 2, j + 1, k * above * above, like)
 
 
 @kernel
-def _add_to(bands, j, i, m):
-    for k in range(len(m)):
-        bands[j, i, k] += m[k]
+def _add_diagonal(bands, j, i, size, like):
+    """Add a multiple of the identity to a block."""
+    for k in range(len(like)):
+        bands[j, i, k * (len(like) + 1)] += size
 
 
 @kernel
