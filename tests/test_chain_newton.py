@@ -1,0 +1,137 @@
+"""Newton's method on the staggered grid: the analytic Jacobian against central differences, and quadratic convergence."""
+
+import numpy as np
+import pytest
+from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view
+
+from cable_model.kernels import chain
+from cable_model.kernels.block_elimination import solve
+from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
+from cable_model.kernels.staggered import assemble, prescribe_ends
+from cable_model.kernels.staggered_step import Gains, _average, _update_tensions
+
+STEP = 0.02
+PLAIN = {**HANGING, "solver": {"nodes": 7, "time_step": STEP, "lambda_infinity": -0.5, "slack_smoothing": 0.05}}
+WET = {
+    **PLAIN,
+    "cable": {
+        **HANGING["cable"], "diameter": 0.01, "normal_drag_coefficient": 1.2, "tangential_drag_coefficient": 0.3,
+        "added_mass_coefficient": 1.0, "bending_stiffness": 1e-3, "axial_damping": 0.7,
+    },
+    "body": {"mass": 0.3, "volume": 1e-4, "drag_area": 1e-3, "added_mass": 0.05},
+    "water": {"density": 1025.0},
+    "current": {"levels": [[-2.0, 0.3, 0.0], [-0.5, 0.8, 0.0], [1.0, 0.2, 0.0]]},
+    "waves": {"amplitude": 0.1, "period": 2.0, "phase": 0.4},
+}  # fmt: skip
+
+
+class Step:
+    """One time step of a chain in a bent, partly slack, moving state; the unknowns are its new node velocities."""
+
+    def __init__(self, base: dict, seed: int, **changes: object) -> None:
+        self.model = make(base, **changes)
+        top = np.zeros(9)
+        top[2] = -0.8
+        self.model.initialize(top)
+        self.now = view(self.model)
+        self.n, self.d = self.now.y.shape[0] // 2, self.now.y.shape[1]
+        rng = np.random.default_rng(seed)
+        self.y0 = self.now.y.copy()
+        self.y0[: self.n - 1] += 0.2 * rng.standard_normal((self.n - 1, self.d))
+        lengths = np.linalg.norm(self.y0[: self.n - 1], axis=1, keepdims=True)
+        soft = 1.0 / self.model.scene.cable.axial_stiffness
+        self.y0[: self.n - 1] *= (1.0 + soft * rng.uniform(-1.0, 2.0, (self.n - 1, 1))) / lengths  # some cells are slack
+        self.y0[self.n :] = 0.3 * rng.standard_normal((self.n, self.d))
+        self.yd0 = 0.5 * rng.standard_normal(self.y0.shape)
+        self.yd0[: self.n - 1] = np.diff(self.y0[self.n :], axis=0) / self.now.mesh[:, :1]
+        self.c = Coefficients(*coefficients(INTEGRATORS["generalized-alpha"], -0.5))
+        self.problem = chain.build(self.model.parts, self.model.numbers, 0.0)
+        self.top = (0.1, -0.8) if self.d == 2 else (0.1, 0.05, -0.8)
+        alpha_k, alpha_m, gamma = self.c
+        reach = STEP * gamma * (1.0 - alpha_k) / (1.0 - alpha_m)  # of the position by the velocity, both new
+        averaged = reach * (1.0 - alpha_k)
+        self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0)
+
+    def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residual (n, D) and full Jacobian at new velocities v1 (n, D); cell tensions are expanded about `force`."""
+        alpha_k, alpha_m, gamma = self.c
+        s = self.now.scratch
+        y1 = self.y0.copy()
+        y1[self.n :] = v1
+        s.cells[: self.n - 1, 0] = force
+        s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
+        mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
+        _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
+        assemble(self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells)
+        return -s.x[: self.n].copy(), unroll(s.bands, self.n, self.d, bool(self.model.parts.bending))
+
+    def settled_tensions(self, v1: np.ndarray) -> np.ndarray:
+        """Tensions that obey their law at v1: where the pending change vanishes."""
+        force = np.full(self.n - 1, 1.0)
+        for _ in range(200):
+            self.assemble(v1, force)
+            change = self.now.scratch.cells[: self.n - 1, 1].copy()
+            force = np.maximum(force + change, 0.1 * force) if self.model.parts.slack else force + change
+        assert np.max(np.abs(change)) < 1e-10 * np.max(np.abs(force))
+        return force
+
+
+SCENES = {
+    "plane": (PLAIN, {}),
+    "plane, compressible": (PLAIN, {"cable__compressible": True}),
+    "plane, bending, body, current, waves": (WET, {}),
+    "space": (PLAIN, {"solver__space": True}),
+    "space, bending, body, current, waves": (WET, {"solver__space": True, "waves__direction": 0.7}),
+}
+
+
+@pytest.mark.parametrize(("base", "changes"), SCENES.values(), ids=SCENES)
+def test_jacobian_is_the_derivative_of_the_residual(base, changes):
+    step = Step(base, 3, cable__axial_stiffness=300.0, **changes)
+    v1 = step.y0[step.n :].copy()
+    force = step.settled_tensions(v1)
+    assert force.min() < 0.1 * force.max()  # slack cells are among them
+    _, analytic = step.assemble(v1, force)
+    columns = []
+    for k in range((step.n - 1) * step.d):  # the top is prescribed
+        shift = np.zeros(step.n * step.d)
+        shift[k] = 1e-5
+        ahead, _ = step.assemble(v1 + shift.reshape(v1.shape), force)
+        behind, _ = step.assemble(v1 - shift.reshape(v1.shape), force)
+        columns.append((ahead - behind).ravel() / 2e-5)
+    numeric = np.array(columns).T
+    allowed = 3e-8 * np.max(np.abs(analytic))
+    if "waves" in base:  # within a step the water's acceleration is taken as uniform: its gradient k omega^2 a is left out
+        omega, body = 2.0 * np.pi / 2.0, base["body"]
+        displaced = 1025.0 * (2.0 * np.pi / 4.0 * 0.01**2 * 1.75 / 3.0 + body["volume"]) + body["added_mass"]
+        allowed += displaced * 0.1 * omega**4 / 9.81 * step.gains.r
+    assert numeric == pytest.approx(analytic[:, : (step.n - 1) * step.d], abs=allowed)
+
+
+@pytest.mark.parametrize("seed", [5, 6, 7])
+@pytest.mark.parametrize(("base", "changes"), SCENES.values(), ids=SCENES)
+def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, seed):
+    step = Step(base, seed, cable__axial_stiffness=1e4, **changes)
+    parts, s = step.model.parts, step.now.scratch
+    v1 = step.y0[step.n :].copy()
+    force = np.full(step.n - 1, 1.0)
+    sizes = []
+    while len(sizes) < 25 and (not sizes or sizes[-1] > 1e-11):
+        step.assemble(v1, force)
+        prescribe_ends(parts, s.bands, s.x, step.n, step.top)
+        solve(parts.bending, s.bands, s.x, step.n, step.top)
+        _update_tensions(parts.slack, s.cells, s.x, step.n, step.top)
+        v1 += s.x[: step.n]
+        new = s.cells[: step.n - 1, 0].copy()
+        sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new))))  # m/s, and share of the tension
+        force = new
+    near = [(before, after) for before, after in zip(sizes[:-1], sizes[1:], strict=True) if before < 0.1]
+    assert len(near) >= 2
+    for before, after in near:
+        assert after < 5.0 * before**2 + 1e-10
+
+
+def test_smooth_motion_takes_two_iterations_a_step():
+    run = drive(make(HANGING, solver__lambda_infinity=-0.9), every(0.01, 4.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
+    assert run["solver.newton_iterations"][-1] <= 2.2 * run["solver.steps"][-1]
+    assert run["solver.rejected_steps"][-1] == 0

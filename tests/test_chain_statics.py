@@ -1,0 +1,132 @@
+"""Static shapes of the chain against separately integrated continuous equilibria and closed forms."""
+
+import numpy as np
+import pytest
+from chain_support import make, still
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, fsolve
+
+TOWED = {  # the shipped scene `towed_body` without its motion
+    "cable": {
+        "length": 400.0, "diameter": 0.013, "mass_per_length": 0.68, "axial_stiffness": 9.5e6, "normal_drag_coefficient": 1.2,
+        "tangential_drag_coefficient": 0.02, "added_mass_coefficient": 1.0,
+    },
+    "body": {"mass": 600.0, "volume": 0.15, "drag_area": 0.15, "added_mass": 150.0},
+    "environment": {"gravity": 9.80665},
+    "water": {"density": 1025.0},
+    "current": {"speed": -2.0},
+    "solver": {"nodes": 201},
+}  # fmt: skip
+GRAVITY, DENSITY = 9.80665, 1025.0
+
+
+def drag_per_length(cable: dict, flow: np.ndarray, tangent: np.ndarray, stretch: float) -> np.ndarray:
+    """Morison drag of water that moves at `flow` past a cable at rest, per unstretched length."""
+    along = np.dot(flow, tangent) * tangent
+    across = flow - along
+    half = 0.5 * DENSITY * cable["diameter"] * np.sqrt(stretch)
+    normal = cable["normal_drag_coefficient"] * np.linalg.norm(across) * across
+    return half * (normal + cable["tangential_drag_coefficient"] * np.linalg.norm(along) * along)
+
+
+def hang_down(scene: dict, flow_at, low: float) -> tuple[np.ndarray, np.ndarray]:
+    """Lower end's force and the chord (x, z) from it to the top, for a lower end at depth z = low; plane."""
+    cable, body = scene["cable"], scene["body"]
+    wet = (cable["mass_per_length"] - DENSITY * np.pi / 4.0 * cable["diameter"] ** 2) * GRAVITY
+    flow = flow_at(low)
+    foot = np.array([-0.5 * DENSITY * body["drag_area"] * np.linalg.norm(flow) * flow[0], (body["mass"] - DENSITY * body["volume"]) * GRAVITY])
+
+    def slope(s: float, state: np.ndarray) -> np.ndarray:
+        force = state[2:]
+        size = np.linalg.norm(force)
+        tangent, stretch = force / size, 1.0 + size / cable["axial_stiffness"]
+        load = drag_per_length(cable, flow_at(low + state[1]), tangent, stretch) - np.array([0.0, wet])
+        return np.concatenate([stretch * tangent, -load])
+
+    end = solve_ivp(slope, (0.0, cable["length"]), [0.0, 0.0, *foot], rtol=1e-11, atol=1e-9, max_step=2.0).y[:, -1]
+    return end[:2], end[2:]
+
+
+def test_towed_body_hangs_as_the_continuous_equilibrium():
+    chord, force = hang_down(TOWED, lambda z: np.array([-2.0, 0.0]), 0.0)
+    model = make(TOWED)
+    model.initialize(still()(0.0))
+    assert model.positions()[0, [0, 2]] == pytest.approx(-chord, abs=1e-4 * 400.0)
+    assert model.outputs[3] == pytest.approx(np.linalg.norm(force), rel=1e-4)
+    assert model.outputs[[0, 2]] == pytest.approx(-force, abs=1e-4 * np.linalg.norm(force))
+
+
+def test_towed_body_in_a_sheared_current_hangs_as_the_continuous_equilibrium():
+    levels = [[-350.0, -0.4, 0.0], [-150.0, -1.0, 0.0], [0.0, -2.2, 0.0]]
+
+    def flow(z: float) -> np.ndarray:
+        return np.array([np.interp(z, [row[0] for row in levels], [row[1] for row in levels]), 0.0])
+
+    low = brentq(lambda z: z + hang_down(TOWED, flow, z)[0][1], -399.0, -100.0, xtol=1e-9)
+    chord, force = hang_down(TOWED, flow, low)
+    model = make({**TOWED, "current": {"levels": levels}})
+    model.initialize(still()(0.0))
+    assert model.positions()[0, [0, 2]] == pytest.approx([-chord[0], low], abs=1e-4 * 400.0)
+    assert model.outputs[3] == pytest.approx(np.linalg.norm(force), rel=1e-4)
+
+
+def test_cable_towed_without_a_body_is_straight_at_its_critical_angle():
+    scene = {part: values for part, values in TOWED.items() if part != "body"}
+    cable = scene["cable"]
+    wet = (cable["mass_per_length"] - DENSITY * np.pi / 4.0 * cable["diameter"] ** 2) * GRAVITY
+
+    def load(angle: float) -> tuple[float, float]:
+        """Weight and drag along and across a cable that streams at `angle` below the horizontal, tangent towards the top."""
+        tangent = np.array([np.cos(angle), np.sin(angle)])
+        total = drag_per_length(cable, np.array([-2.0, 0.0]), tangent, 1.0) - np.array([0.0, wet])
+        return -np.dot(total, tangent), np.dot(total, [-tangent[1], tangent[0]])
+
+    angle = brentq(lambda a: load(a)[1], 0.01, 1.5)
+    model = make(scene)
+    model.initialize(still()(0.0))
+    shape = model.positions()
+    expected = -400.0 * np.array([np.cos(angle), np.sin(angle)])
+    assert shape[0, [0, 2]] == pytest.approx(expected, abs=1e-4 * 400.0)
+    assert model.outputs[3] == pytest.approx(400.0 * load(angle)[0], rel=1e-4)
+    aside = shape[:, 0] * expected[1] - shape[:, 2] * expected[0]
+    assert np.max(np.abs(aside)) < 1e-4 * 400.0**2
+
+
+def elastic_catenary(length: float, weight: float, stiffness: float, span: float, rise: float) -> tuple[float, float]:
+    """Horizontal and vertical force at the top of a cable between (0, 0) and (span, rise), by Irvine's closed form."""
+
+    def miss(unknown: np.ndarray) -> list[float]:
+        h, v = unknown
+        low = v - weight * length
+        x = h * length / stiffness + h / weight * (np.arcsinh(v / h) - np.arcsinh(low / h))
+        z = (v * v - low * low) / (2.0 * stiffness * weight) + (np.hypot(h, v) - np.hypot(h, low)) / weight
+        return [x - span, z - rise]
+
+    return tuple(fsolve(miss, [0.5 * weight * length, 0.7 * weight * length], xtol=1e-13))
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 500.0], ids=["stiff", "elastic"])
+def test_cable_between_two_points_is_the_elastic_catenary(stiffness):
+    base = {
+        "cable": {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": stiffness},
+        "environment": {"gravity": 10.0},
+        "lower_end": {"anchored": True},
+        "solver": {"nodes": 201},
+    }
+    model = make(base)
+    model.initialize(still((7.0, 0.0, 3.0))(0.0))
+    h, v = elastic_catenary(10.0, 10.0, stiffness, 7.0, 3.0)
+    assert model.outputs[0] == pytest.approx(-h, rel=1e-4)
+    assert model.outputs[2] == pytest.approx(-v, rel=1e-4)
+    assert model.outputs[11] == pytest.approx(np.hypot(h, v - 100.0), rel=1e-3)
+    assert model.positions()[0] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+
+
+def test_hanging_chain_stretches_under_its_own_weight():
+    base = {"cable": {"length": 2.0, "mass_per_length": 1.0, "axial_stiffness": 100.0}, "environment": {"gravity": 10.0}}
+    model = make(base)
+    model.initialize(still()(0.0))
+    # w L^2/(2 EA); the smooth slack law softens the last cells only
+    assert model.positions()[0, 2] == pytest.approx(-2.0 - 10.0 * 4.0 / 200.0, rel=2e-4)
+    assert model.outputs[3] == pytest.approx(20.0, rel=1e-9)
+    assert model.outputs[11] == pytest.approx(0.0, abs=2e-3 * 20.0)
