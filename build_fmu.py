@@ -51,9 +51,9 @@ from pathlib import Path
 import {staging} as staging
 from pythonfmu import Fmi2Slave  # noqa: F401 (pythonfmu looks for it)
 
-staging.keep(globals())  # pythonfmu gives this back once too often at every instantiation
 staging.load("{kernels}", Path(__file__).parent)
 staging.load("{package}", Path(__file__).parent)
+importlib.import_module("{package}.fmu_src.wrapper").keep(globals())  # this is given back once too often at every instantiation
 CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
 
 

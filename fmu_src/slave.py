@@ -1,7 +1,7 @@
 """The pythonfmu slave of both FMUs: FMI calls onto a model.  No physics, and nothing that a host does may harm the host.
 
 pythonfmu 0.7.0 gives back references to the instance, its class and its log once too often after every exception, and prints log
-texts as printf formats; `_guarded` makes up for both.
+texts as printf formats; `_guarded` and `log` make up for both.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import Variable, scene_from_values, table
 from fmu_src.model_description import model_description
-from fmu_src.staging import keep
 from fmu_src.state import SavedState, StateError, pack, unpack
+from fmu_src.wrapper import forget_interpreter, keep
 
 _FIRST_OUTPUT = len(INPUTS)
 _CPU_TIME = _FIRST_OUTPUT + len(OUTPUTS)
@@ -85,6 +85,7 @@ class CableSlave(Fmi2Slave):
     def __init__(self, **arguments: Any) -> None:
         super().__init__(**arguments)
         self.modelName = type(self).__name__
+        forget_interpreter(self.resources, self.modelName)
         self._base = self._baked()
         self._rows = table(self._base)
         self._real = self._starts("Real")

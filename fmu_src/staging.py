@@ -3,7 +3,6 @@
 Copied into each FMU under a name of its own.  It imports nothing of ours and holds no state.
 """
 
-import ctypes
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -69,9 +68,3 @@ def load(package: str, resources: Path) -> ModuleType:
         del sys.modules[package]
         raise
     return module
-
-
-def keep(*objects: object) -> None:
-    """Take a reference to each object that is never given back: pythonfmu's wrapper gives one back too many."""
-    for each in objects:
-        ctypes.pythonapi.Py_IncRef(ctypes.py_object(each))

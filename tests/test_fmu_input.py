@@ -289,6 +289,24 @@ def test_the_host_survives_hundreds_of_errors_and_instances(fmus: dict[str, Fmu]
     assert (done.returncode, done.stdout.strip().splitlines()[-1:]) == (0, ["alive 420"]), done.stderr[-2000:]
 
 
+def test_the_host_ends_cleanly_after_one_instance(fmu: Fmu):
+    """pythonfmu's wrapper frees its handle on the interpreter twice when it is unloaded; left alone, about half of these abort."""
+    program = textwrap.dedent(
+        f"""
+        import sys
+        sys.path.insert(0, {str(Path(__file__).parent)!r})
+        from pathlib import Path
+        from fmu_support import Fmu
+        fmu = Fmu(Path({str(fmu.path)!r}), Path({str(Path(fmu.folder).parent / "end")!r}))
+        instance = fmu.instance()
+        instance.initialize()
+        instance.run(1)
+        """
+    )
+    ends = [subprocess.run([sys.executable, "-c", program], capture_output=True, check=False).returncode for _ in range(5)]
+    assert ends == [0] * 5
+
+
 def test_log_texts_are_safe_as_printf_formats(fmu: Fmu):
     program = textwrap.dedent(
         f"""
