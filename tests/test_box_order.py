@@ -33,6 +33,7 @@ def orders_in_time(base, motion, steps, duration, rhythm, name, **changes):
     return observed_orders([a[round(steps[0] / step) - 1 :: round(steps[0] / step)] for a, step in zip(answers, steps, strict=True)])
 
 
+@SLOW
 @pytest.mark.parametrize("rhythm", [np.ones(10), RHYTHM], ids=["fixed", "changing"])
 @pytest.mark.parametrize("name", ["body.x", "top.tension"])
 def test_lambda_of_minus_a_half_is_second_order_with_fixed_and_with_changing_steps(rhythm, name):
@@ -40,6 +41,7 @@ def test_lambda_of_minus_a_half_is_second_order_with_fixed_and_with_changing_ste
     assert orders[-1] == pytest.approx(2.0, abs=0.1)
 
 
+@SLOW
 @pytest.mark.parametrize(
     ("integrator", "lam", "order"), [("generalized-alpha", -0.9, 2), ("generalized-alpha", 0.0, 2), ("backward-difference", 0.0, 1)]
 )
@@ -59,6 +61,14 @@ def test_second_order_holds_with_a_body_drag_and_a_moving_top(rhythm, name):
     orders = orders_in_time(
         BODY, TOW, (0.025, 0.0125, 0.00625, 0.003125), 12.0, rhythm, name, cable__axial_stiffness=1e6, current__speed=1.0
     )
+    assert orders[-1] == pytest.approx(2.0, abs=0.1)
+
+
+@SLOW
+def test_second_order_holds_where_the_water_changes_with_place_and_time():
+    shallow = BODY | {"cable": BODY["cable"] | {"length": 10.0, "axial_stiffness": 1e5}}
+    shallow |= {"waves": {"amplitude": 0.5, "period": 4.0}, "body": {"mass": 100.0, "volume": 0.04, "drag_area": 0.2, "added_mass": 40.0}}
+    orders = orders_in_time(shallow, TOW, (0.04, 0.02, 0.01, 0.005), 8.0, np.ones(10), "body.x", current__speed=3.0)
     assert orders[-1] == pytest.approx(2.0, abs=0.1)
 
 

@@ -2,9 +2,9 @@
 
 import math
 
+from cable_model.kernels.box_law import strain, tension, tension_gain
 from cable_model.kernels.box_water import added_mass, body_water, cable_water
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.box_law import strain, tension, tension_gain
 
 
 @kernel
@@ -50,7 +50,7 @@ def _hanging_end(present, parts, problem, gains, a, d, y1, base, time, lower, li
     Without bending there is no S: the cable's own motion along the normal at s = 0 takes the second condition's place.
     """
     if present is None:
-        cable, medium, _, numeric = problem
+        cable, _, _, numeric = problem
         size = len(like)
         cf = size // 3 + 2
         f = gains.scale
@@ -83,7 +83,7 @@ def _add_shear(bending, f, shear, lower, size):
 @kernel
 def _free_normal(parts, problem, gains, a, d, base, time, lower, like):
     """m (v_t + u phi_t) = w sin phi + f_n at the free end, times the cable's length."""
-    cable, medium, _, numeric = problem
+    cable, medium, _, _ = problem
     size = len(like)
     cu = size // 3
     n = a.shape[0]
