@@ -140,9 +140,8 @@ def energy(model: CableChain) -> float:
     f = table.cable.axial_stiffness * (stretch - 1.0)
     w0 = table.solver.slack_smoothing * (abs(weight) * table.cable.length + abs(body_weight))
     strain = np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * table.cable.axial_stiffness)
-    t = q / stretch[:, None]
     between = (1.0 - split[:-1]) * h[:-1] + split[1:] * h[1:]
-    bending = np.sum(table.cable.bending_stiffness * np.sum(np.diff(t, axis=0) ** 2, axis=1) / (2.0 * between))
+    bending = np.sum(table.cable.bending_stiffness * np.sum(np.diff(q, axis=0) ** 2, axis=1) / (2.0 * between))
     return float(kinetic + potential + strain + bending)
 
 

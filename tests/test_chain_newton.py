@@ -120,7 +120,7 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         step.assemble(v1, force)
         prescribe_ends(parts, s.bands, s.x, step.n, step.top)
         solve(parts.bending, s.bands, s.x, step.n, step.top)
-        _update_tensions(parts.slack, s.cells, s.x, step.n, step.top)
+        _update_tensions(parts.slack, step.problem.numeric.smoothing, s.cells, s.x, step.n, step.top)
         v1 += s.x[: step.n]
         new = s.cells[: step.n - 1, 0].copy()
         sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new))))  # m/s, and share of the tension

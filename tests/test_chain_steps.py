@@ -71,7 +71,7 @@ drive(model, every(0.1, 4.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
 
 @pytest.mark.xfail(strict=True, reason="the error estimate grows as the step falls below 1e-6 of solver.time_step; the step goes to 1e-34 s")
 @pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="minutes in plain Python")
-@pytest.mark.parametrize(("tolerance", "lam"), [(0.01, -0.5), (0.01, -0.9)])
+@pytest.mark.parametrize(("tolerance", "lam"), [(0.01, -0.9), (0.003, -0.9)])
 def test_error_control_never_lets_the_step_vanish(tolerance, lam):
     # in a process of its own: a step that shrinks for ever is a kernel that never returns
     folder = str(Path(__file__).parent)
