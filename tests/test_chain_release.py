@@ -62,7 +62,6 @@ def miss(found: np.ndarray, expected: np.ndarray) -> float:
     return float(np.sqrt(np.mean((found - expected) ** 2) / np.mean(expected**2)))
 
 
-@pytest.mark.xfail(strict=True, reason="no static equilibrium is found without bending from EA/W = 1e6 (101 nodes) and 1e9 (51 nodes) up")
 def test_a_stiff_chain_without_bending_finds_its_catenary():
     model = make(FREE)
     model.initialize(still()(0.0))

@@ -297,11 +297,11 @@ def advance(parts, p, time, span, path, state, work):
                 error = _local_error(parts, problem, view, c, used, like)
                 if error > 2.0 * allowed and used > SMALLEST_STEP * p[21]:
                     state[header.REJECTED] += 1.0
-                    h = used * max(0.2, 0.8 * math.sqrt(allowed / error))
+                    h = max(used * max(0.2, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[21])
                     continue
                 ratio = error / allowed
             growth = min(2.0, max(0.2, 0.85 / math.sqrt(max(ratio, 1e-6))))
-            proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0))
+            proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0, SMALLEST_STEP * p[21]))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
         _accept(parts, view, used)
@@ -310,7 +310,7 @@ def advance(parts, p, time, span, path, state, work):
         state[header.NEWTON] += status
         h = proposal
         done = span if used == rest else done + used
-    state[header.NEXT_STEP] = h
+    state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
     state[header.TIME] = time + span
     for k in range(3):
         position, velocity, acceleration = evaluate(path, span, 1.0, k)

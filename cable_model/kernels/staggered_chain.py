@@ -113,7 +113,8 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
-        soft = _softened(problem, stiffness, 1e-10 * problem.cable.length / step)
+        # positions to 1e-10 of the length, or to where rounding of the strain times EA leaves them
+        soft = _softened(problem, stiffness, max(1e-10, 1e-13 * stiffness / weight) * problem.cable.length / step)
         status = newton_step(parts, soft, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
         if status < 0:
             step *= 0.2
@@ -123,7 +124,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
         keep_tensions(force, s)
         for i in range(n - 1):
             store(y, i, load(y1, i, top))
-        if step >= 1e5 * period and status <= 2:
+        if step >= 1e5 * period and status <= 4:
             if stiffness == problem.cable.stiffness:
                 return header.OK
             stiffness = min(10.0 * stiffness, problem.cable.stiffness)
