@@ -78,17 +78,17 @@ def _failures(model: Model) -> tuple[list[str], str]:
     """printf formats of the errors of a failed step by status, and the C names of their arguments."""
     marks = {"77.25": ("%.6g", "time"), "8181": ("%.0f", "node"), "0.625": ("%.3g", "size")}
     model.state[[header.ERROR_TIME, header.ERROR_NODE, header.ERROR_SIZE]] = [float(mark) for mark in marks]
-    formats, arguments = ['""'], ""
+    formats, orders = ['""'], set()
     for status in range(1, header.OUT_OF_PLANE + 1):
         try:
             model._must(status, 0.0)
         except SolverError as error:
             text = str(error).replace("%", "%%")
-            used = {mark: made for mark, made in marks.items() if mark in text}
-            for mark, (form, _) in used.items():
+            orders.add(", ".join(marks[mark][1] for mark in sorted(marks, key=text.find) if mark in text))
+            for mark, (form, _) in marks.items():
                 text = text.replace(mark, form)
             formats.append(_text(text))
-            arguments = ", ".join(name for _, name in used.values())
+    (arguments,) = orders
     return formats, arguments
 
 

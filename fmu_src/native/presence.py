@@ -5,6 +5,7 @@ bit-identical.  Import this before any kernel: it takes the place of the decorat
 """
 
 from numba import njit, types
+from numba.core import codegen
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.templates import AbstractTemplate, infer, signature
 from numba.extending import lower_builtin, overload
@@ -32,9 +33,8 @@ def by_presence(absent, present):
     def _compiled(part, *args):
         if isinstance(part, types.Optional):
             return either
-        if isinstance(part, types.NoneType) or part is None:
-            return lambda part, *args: absent(part, *args)
-        return lambda part, *args: present(part, *args)
+        chosen = absent if isinstance(part, types.NoneType) or part is None else present
+        return getattr(chosen, "py_func", chosen)
 
     return choose
 
@@ -59,8 +59,10 @@ def _item_of_optional_tuple(context, builder, sig, args):
 
 
 def take_over() -> None:
-    """Let the kernels, which must not be imported yet, be compiled by this file's functions."""
+    """Let the kernels, which must not be imported yet, be compiled by this file's functions, and to LLVM code only."""
     jit.kernel = kernel
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence
+    # nothing is called in this process: code for this machine would take most of the time
+    codegen.JITCodeLibrary._finalize_specific = lambda library: None
