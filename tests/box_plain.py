@@ -254,7 +254,14 @@ def pulled_end():
     return float(np.abs(stiffness * now.y[0, 0] * t + now.y[0, 1] * n + [0.2, 0.0]).max() / 0.2)
 
 
-CHECKS = (jacobian_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies, power_misfit, frame_misfit, rest, pulled_end)
+def starting_turns():
+    """Rates of phi, from the tip up, of a chain whose top is struck sideways."""
+    model = boxed({"cable": {"bending_stiffness": SOFT}})
+    model.initialize(np.array([0.0, 0.0, 0.0, 0.15, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    return view(model).yd[:, 4].tolist()
+
+
+CHECKS = (jacobian_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies, power_misfit, frame_misfit, rest, pulled_end, starting_turns)
 
 if __name__ == "__main__":
     print(json.dumps({check.__name__: check() for check in CHECKS}))  # noqa: T201
