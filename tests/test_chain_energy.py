@@ -3,7 +3,19 @@
 import numpy as np
 import pytest
 from chain_support import (
-    HANGING, SECOND_MODE, SHORT_BENDING, WEIGHT, WIRE, Motion, cubic, drive, energy, every, make, swing, view,
+    HANGING,
+    SECOND_MODE,
+    SHORT_BENDING,
+    WEIGHT,
+    WIRE,
+    Motion,
+    cubic,
+    drive,
+    energy,
+    every,
+    make,
+    swing,
+    view,
 )  # fmt: skip
 from scipy.integrate import cumulative_simpson
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from chain_support import HANGING, WEIGHT, WIRE, drive, every, make, no_ramp, swing
-
 from scipy.integrate import solve_ivp
 
 from cable_model import scene

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from chain_support import drive, every, make, still
-from scipy.integrate import quad
 from scipy.linalg import eigh
 from scipy.special import j0, j1, jn_zeros
 
