@@ -1,5 +1,6 @@
 """What the tests of the chain share: scenes, exact top motions, runs, and the energy of a state written from the equations."""
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -86,7 +87,7 @@ def drive(model: CableChain, times: np.ndarray, motion: Motion, each: Callable |
     rows = [model.outputs.copy()]
     if each is not None:
         each(times[0])
-    for start, end in zip(times[:-1], times[1:], strict=True):
+    for start, end in itertools.pairwise(times):
         model.advance(start, end - start, motion(start), motion(end))
         rows.append(model.outputs.copy())
         if each is not None:
@@ -106,8 +107,8 @@ def view(model: CableChain) -> chain.View:
 
 def observed_orders(answers: list[np.ndarray]) -> list[float]:
     """Orders from answers at steps halved each time, by successive differences in the maximum norm."""
-    gaps = [np.max(np.abs(a - b)) for a, b in zip(answers[:-1], answers[1:], strict=True)]
-    return [float(np.log2(a / b)) for a, b in zip(gaps[:-1], gaps[1:], strict=True)]
+    gaps = [np.max(np.abs(a - b)) for a, b in itertools.pairwise(answers)]
+    return [float(np.log2(a / b)) for a, b in itertools.pairwise(gaps)]
 
 
 def kinetic_matrix(h: np.ndarray, split: np.ndarray) -> np.ndarray:

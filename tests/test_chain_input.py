@@ -22,8 +22,9 @@ PARTS = {
     "solver": parameters.Solver,
     "run": parameters.Run,
 }
-LOWER = [(p, f) for p, kind in PARTS.items() for f in dataclasses.fields(kind) if f.metadata["above"] is not None or f.metadata["least"] is not None]
-UPPER = [(p, f) for p, kind in PARTS.items() for f in dataclasses.fields(kind) if f.metadata["most"] is not None]
+FIELDS = [(part, field) for part, kind in PARTS.items() for field in dataclasses.fields(kind)]
+LOWER = [(p, f) for p, f in FIELDS if f.metadata["above"] is not None or f.metadata["least"] is not None]
+UPPER = [(p, f) for p, f in FIELDS if f.metadata["most"] is not None]
 
 
 def top(**values: float) -> np.ndarray:
@@ -37,7 +38,9 @@ def text_of(part: str, field: dataclasses.Field, shown: str) -> str:
     facts = field.metadata
     bounds = (("> ", facts["above"]), (">= ", facts["least"]), ("<= ", facts["most"]))
     rule = " and ".join(f"{sign}{bound:g}" for sign, bound in bounds if bound is not None)
-    return f"{part}.{field.name} = {shown}{' ' + facts['unit'] if facts['unit'] else ''}: must be {rule}. {facts['remedy'] or 'Give the ' + facts['description'] + '.'}"
+    unit = " " + facts["unit"] if facts["unit"] else ""
+    remedy = facts["remedy"] or f"Give the {facts['description']}."
+    return f"{part}.{field.name} = {shown}{unit}: must be {rule}. {remedy}"
 
 
 def with_value(part: str, name: str, value: object) -> dict:
@@ -92,7 +95,10 @@ def test_a_value_above_its_bound_is_refused_with_name_value_unit_rule_and_remedy
             {"top": {"motion": [{"kind": "spiral", "axis": "x"}]}},
             "top.motion[0].kind = 'spiral': must be one of sinusoid, ramp, step. Give the kind of motion.",
         ),
-        ({"top": {"position": [0.0, 0.0]}}, "top.position = [0.0, 0.0] m: must be a list of 3. Give the position about which the top moves."),
+        (
+            {"top": {"position": [0.0, 0.0]}},
+            "top.position = [0.0, 0.0] m: must be a list of 3. Give the position about which the top moves.",
+        ),
     ],
     ids=lambda value: value.split(":")[0] if isinstance(value, str) else "",
 )

@@ -1,5 +1,7 @@
 """Newton's method on the staggered grid: the analytic Jacobian against central differences, and quadratic convergence."""
 
+import itertools
+
 import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view
@@ -54,7 +56,7 @@ class Step:
 
     def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (n, D) and full Jacobian at new velocities v1 (n, D); cell tensions are expanded about `force`."""
-        alpha_k, alpha_m, gamma = self.c
+        _alpha_k, alpha_m, gamma = self.c
         s = self.now.scratch
         y1 = self.y0.copy()
         y1[self.n :] = v1
@@ -125,7 +127,7 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         new = s.cells[: step.n - 1, 0].copy()
         sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new))))  # m/s, and share of the tension
         force = new
-    near = [(before, after) for before, after in zip(sizes[:-1], sizes[1:], strict=True) if before < 0.1]
+    near = [(before, after) for before, after in itertools.pairwise(sizes) if before < 0.1]
     assert len(near) >= 2
     for before, after in near:
         assert after < 5.0 * before**2 + 1e-10

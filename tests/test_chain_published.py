@@ -131,6 +131,6 @@ def test_mean_tension_of_the_heaving_wire_is_the_published_one():
     assert np.mean(wire_tension(water__density=1020.0, environment__gravity=9.81)) == pytest.approx(10711.0, abs=1.0)
 
 
-@pytest.mark.xfail(strict=True, reason="2493 N against 2045 N of the peers, whose drag area and added mass are not known: 0.66 m2 and 50 kg would fit")
+@pytest.mark.xfail(strict=True, reason="2493 N against 2045 N: 0.66 m2 and 50 kg of added mass would fit the peers, not 1 m2 and 400 kg")
 def test_tension_amplitude_of_the_heaving_wire_is_the_peers():
     assert np.ptp(wire_tension(water__density=1020.0, environment__gravity=9.81)) / 2.0 == pytest.approx(2045.0, rel=0.01)

@@ -34,7 +34,8 @@ def hang_down(scene: dict, flow_at, low: float) -> tuple[np.ndarray, np.ndarray]
     cable, body = scene["cable"], scene["body"]
     wet = (cable["mass_per_length"] - DENSITY * np.pi / 4.0 * cable["diameter"] ** 2) * GRAVITY
     flow = flow_at(low)
-    foot = np.array([-0.5 * DENSITY * body["drag_area"] * np.linalg.norm(flow) * flow[0], (body["mass"] - DENSITY * body["volume"]) * GRAVITY])
+    pull = 0.5 * DENSITY * body["drag_area"] * np.linalg.norm(flow) * flow[0]
+    foot = np.array([-pull, (body["mass"] - DENSITY * body["volume"]) * GRAVITY])
 
     def slope(s: float, state: np.ndarray) -> np.ndarray:
         force = state[2:]

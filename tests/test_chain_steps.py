@@ -73,5 +73,6 @@ drive(model, every(0.1, 4.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
 def test_error_control_never_lets_the_step_vanish(tolerance, lam):
     # in a process of its own: a step that shrinks for ever is a kernel that never returns
     folder = str(Path(__file__).parent)
-    run = subprocess.run([sys.executable, "-c", VANISHING, str(tolerance), str(lam)], cwd=folder, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-c", VANISHING, str(tolerance), str(lam)]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, "")
