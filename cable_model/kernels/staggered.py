@@ -89,11 +89,12 @@ def _turned(normal, x, t):
 def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, cells):
     """Residual (with minus sign, into x) and Jacobian (into bands) of all rows at given q (n-1, D), v and a (n, D).
 
-    The tension of a cell is an unknown of its own, eliminated cell by cell: a stiff cell that turns does not spoil the others.
+    The change of a cell's tension, T' = c + b.(v_up' - v_low'), is an unknown of its own and in neither x nor bands: the solver
+    eliminates it after the velocity below, so that EA, however large, never swamps the inertia in a sum.
     Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
-    cells (>=n-1, 2D+4), a row each: the tension, its pending change at fixed velocities (written), the averaged stretch, the
-    unit tangent at the new time, the derivative of the tension by v_up - v_low (written), the shortfall.
+    cells (>=n-1, 3D+4), a row each: the tension, its change c at fixed velocities (written), the averaged stretch, the unit
+    tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the shortfall.
     """
     cable, medium, body, numeric = problem
     n = v.shape[0]
@@ -125,10 +126,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)
         along = mix(slope * gains.q * cable.stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
-        pending = gains.law * slope * misfit
-        pull = scale(force + pending, t)
+        pull = scale(force, t)
         firm = force * inv * gains.q / h
-        k = add_matrix(outer(t, along), add_matrix(diagonal(firm, like), scale_matrix(-firm, outer(t, t_new))))
+        k = add_matrix(diagonal(firm, like), scale_matrix(-firm, outer(t, t_new)))
         low = mix(split - SHARE, a_low, SHARE, a_up)
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
         speed = mix(0.5, v_low, 0.5, v_up)
@@ -150,7 +150,8 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
         carry_r = low_r
-        cells[i, 1] = pending
+        cells[i, 1] = gains.law * slope * misfit
+        store_from(cells, i, 3, t)
         store_from(cells, i, 3 + len(like), along)
         v_up = v_low
         a_up = a_low

@@ -11,7 +11,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.slack import step_tension
 from cable_model.kernels.staggered import assemble, prescribe_ends
-from cable_model.kernels.vector import axpy, dot, load, load_from, mix, norm, scale, store, store_from, sub
+from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
 DIVERGED = -1
@@ -63,7 +63,7 @@ class Scratch(NamedTuple):
 
 @kernel
 def scratch_size(n, dimension):
-    return n * (6 * dimension + 5) + 5 * n * dimension * dimension
+    return n * (7 * dimension + 5) + 5 * n * dimension * dimension
 
 
 @kernel
@@ -76,8 +76,8 @@ def cut_scratch(work, n, like):
         work[2 * m : 3 * m].reshape((n, d)),
         work[3 * m : 4 * m].reshape((n, d)),
         work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
-        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (2 * d + 4)].reshape((n, 2 * d + 4)),
-        work[4 * m + 5 * m * d + n * (2 * d + 4) : 4 * m + 5 * m * d + n * (2 * d + 5)],
+        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 4)].reshape((n, 3 * d + 4)),
+        work[4 * m + 5 * m * d + n * (3 * d + 4) : 4 * m + 5 * m * d + n * (3 * d + 5)],
     )
 
 
@@ -111,7 +111,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
         assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells)
         prescribe_ends(parts, s.bands, s.x, n, like)
-        solve(parts.bending, s.bands, s.x, n, like)
+        solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
         change = 0.0
         for i in range(n):
             for k in range(len(like)):
@@ -121,7 +121,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
                     change = abs(dv)
         if not change < 1e12:
             return DIVERGED
-        cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, s.x, n, like)
+        cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, n)
         # quadratic convergence: the next change would be about change^3/previous^2
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
         if min(change, 100.0 * expected) <= problem.numeric.tolerance and not cut:
@@ -146,11 +146,10 @@ def _forget_slack(slack, problem, alpha_k, s):
 
 
 @kernel
-def _update_tensions(slack, smoothing, cells, x, n, like):
+def _update_tensions(slack, smoothing, cells, n):
     cut = False
     for i in range(n - 1):
-        change = cells[i, 1] + dot(load_from(cells, i, 3 + len(like), like), sub(load(x, i + 1, like), load(x, i, like)))
-        cells[i, 0], limited = step_tension(slack, smoothing, cells[i, 0], change)
+        cells[i, 0], limited = step_tension(slack, smoothing, cells[i, 0], cells[i, 1])
         cut = cut or limited
     return cut
 

@@ -190,6 +190,18 @@ def apply(m, a):
 
 
 @kernel
+def apply_transposed(m, a):
+    """Transposed matrix times vector."""
+    if len(a) == 2:
+        return (m[0] * a[0] + m[2] * a[1], m[1] * a[0] + m[3] * a[1])
+    return (
+        m[0] * a[0] + m[3] * a[1] + m[6] * a[2],
+        m[1] * a[0] + m[4] * a[1] + m[7] * a[2],
+        m[2] * a[0] + m[5] * a[1] + m[8] * a[2],
+    )
+
+
+@kernel
 def multiply(m, n):
     """Matrix times matrix."""
     if len(m) == 4:
