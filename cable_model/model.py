@@ -65,10 +65,8 @@ class Model:
         The top moves on by extrapolation, see kernels.top.predict; what it was off by at the start is removed smoothly.
         """
         inputs = self._finite(inputs)
-        if not step > 0.0 or not np.isfinite(step):
-            raise refuse("communication step", float(step), "s", "finite and > 0", "Give a positive step.")
+        step = self._positive(step)
         order = self.motion_order
-        step = float(step)
         top.predict(order, self.state, inputs, step, self._end)
         top.quintic(self.state[header.TOP : header.TOP + 9], self._end, step, self._path)
         self._follow(time, step)
@@ -76,6 +74,7 @@ class Model:
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
         """One step with the top's motion known at both ends, (9,) each: position, velocity, acceleration."""
+        step = self._positive(step)
         top.quintic(self._finite(start), self._finite(end), step, self._path)
         self._follow(time, step)
 
@@ -104,8 +103,9 @@ class Model:
         if status == header.OK:
             return
         where = max(float(self.state[header.ERROR_TIME]), time)
+        how_bad = "" if status == header.OUT_OF_PLANE else f" ({self._measure(status)})"
         raise SolverError(
-            f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]} ({self._measure(status)}). "
+            f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]}{how_bad}. "
             f"{_REMEDIES[status]}. Results before this time are valid."
         )
 
@@ -113,6 +113,12 @@ class Model:
         """How bad a failed step is."""
         size, node = self.state[header.ERROR_SIZE], int(self.state[header.ERROR_NODE])
         return f"largest last Newton change {size:.3g} at node {node} from the lower end"
+
+    @staticmethod
+    def _positive(step: float) -> float:
+        if not step > 0.0 or not np.isfinite(step):
+            raise refuse("communication step", float(step), "s", "finite and > 0", "Give a positive step.")
+        return float(step)
 
     @staticmethod
     def _finite(inputs: np.ndarray) -> np.ndarray:

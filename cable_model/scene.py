@@ -57,7 +57,7 @@ def check_consistency(scene: Scene) -> None:
     if levels != sorted(set(levels)) and levels != sorted(set(levels), reverse=True):
         raise refuse("current.levels", len(levels), "rows", "sorted by z without repeats", "Sort the table by z.")
     if scene.cable.inextensible and scene.solver.grid != "box":
-        raise refuse("cable.inextensible", True, "", 'false on the staggered grid', 'Set solver.grid = "box", or raise axial_stiffness.')
+        raise refuse("cable.inextensible", True, "", "false on the staggered grid", 'Set solver.grid = "box", or raise axial_stiffness.')
     if scene.solver.grid == "box" and scene.solver.space:
         raise refuse("solver.space", True, "", "false on the box grid", 'Set solver.grid = "staggered" for motion in space.')
     if scene.solver.integrator == "wbz" and scene.solver.lambda_infinity > 0.999:

@@ -261,7 +261,10 @@ def starting_turns():
     return view(model).yd[:, 4].tolist()
 
 
-CHECKS = (jacobian_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies, power_misfit, frame_misfit, rest, pulled_end, starting_turns)
+CHECKS = (
+    jacobian_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies,
+    power_misfit, frame_misfit, rest, pulled_end, starting_turns,
+)  # fmt: skip
 
 if __name__ == "__main__":
     print(json.dumps({check.__name__: check() for check in CHECKS}))  # noqa: T201

@@ -155,3 +155,18 @@ def unroll(bands: np.ndarray, n: int, d: int, outer: bool) -> np.ndarray:
             if 0 <= j < n:
                 full[i * d : i * d + d, j * d : j * d + d] = bands[band, i].reshape(d, d)
     return full
+
+
+def with_tensions(full: np.ndarray, x: np.ndarray, cells: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Matrix and right side (n D) of the node velocities alone: the changes of the cells' tensions are put in."""
+    d = x.shape[1]
+    matrix, right = full.copy(), x[:n].copy()
+    for i in range(n - 1):
+        tangent, slope = cells[i, 3 : 3 + d], cells[i, 3 + d : 3 + 2 * d]
+        low, up = slice(i * d, i * d + d), slice(i * d + d, i * d + 2 * d)
+        for row, sign in ((low, -1.0), (up, 1.0)):
+            matrix[row, up] += sign * np.outer(tangent, slope)
+            matrix[row, low] -= sign * np.outer(tangent, slope)
+        right[i] += cells[i, 1] * tangent
+        right[i + 1] -= cells[i, 1] * tangent
+    return matrix, right

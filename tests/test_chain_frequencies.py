@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chain_support import HANGING, make, still, unroll, view
+from chain_support import HANGING, make, still, unroll, view, with_tensions
 from scipy.linalg import eigh
 from scipy.special import jn_zeros
 
@@ -29,7 +29,7 @@ def dense(model, gains: Gains) -> np.ndarray:
     s.cells[: n - 1, 3 : 3 + d] = now.y[: n - 1] / s.cells[: n - 1, 2:3]
     problem = chain.build(model.parts, model.numbers, 0.0)
     assemble(model.parts, problem, gains, now.mesh, now.y[: n - 1], now.y[n:], np.zeros((n, d)), (0.0,) * d, 0.0, 0, s.bands, s.x, s.cells)
-    full = unroll(s.bands, n, d, bool(model.parts.bending))
+    full, _ = with_tensions(unroll(s.bands, n, d, bool(model.parts.bending)), s.x, s.cells, n)
     return full[: (n - 1) * d, : (n - 1) * d]
 
 

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view
+from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view, with_tensions
 
 from cable_model.kernels import chain
 from cable_model.kernels.block_elimination import solve
@@ -65,7 +65,13 @@ class Step:
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
         assemble(self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells)
-        return -s.x[: self.n].copy(), unroll(s.bands, self.n, self.d, bool(self.model.parts.bending))
+        full, right = with_tensions(unroll(s.bands, self.n, self.d, bool(self.model.parts.bending)), s.x, s.cells, self.n)
+        return -right, full
+
+    def solve(self) -> None:
+        parts, s = self.model.parts, self.now.scratch
+        prescribe_ends(parts, s.bands, s.x, self.n, self.top)
+        solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, self.n, self.top)
 
     def settled_tensions(self, v1: np.ndarray) -> np.ndarray:
         """Tensions that obey their law at v1: where the pending change vanishes."""
@@ -110,6 +116,44 @@ def test_jacobian_is_the_derivative_of_the_residual(base, changes):
     assert numeric == pytest.approx(analytic[:, : (step.n - 1) * step.d], abs=allowed)
 
 
+def check_elimination(base: dict, changes: dict, stiffness: float) -> None:
+    """The elimination against the whole system of velocities and tensions."""
+    step = Step(base, 4, cable__axial_stiffness=stiffness, **changes)
+    n, d, parts, s = step.n, step.d, step.model.parts, step.now.scratch
+    step.assemble(step.y0[n:].copy(), np.linspace(0.5, 1.5, n - 1))
+    prescribe_ends(parts, s.bands, s.x, n, step.top)
+    size = n * d
+    whole = np.zeros((size + n - 1, size + n - 1))
+    whole[:size, :size] = unroll(s.bands, n, d, bool(parts.bending))
+    right = np.concatenate([s.x[:n].ravel(), s.cells[: n - 1, 1]])
+    for i in range(n - 1):  # T - b.(x_up - x_low) = c; on the nodes -T t below and T t above
+        rise = s.cells[i, 3 + d : 3 + 2 * d]
+        whole[size + i, size + i] = 1.0
+        whole[size + i, i * d : i * d + 2 * d] = np.concatenate([rise, -rise])
+        whole[i * d : i * d + 2 * d, size + i] = np.concatenate([-s.cells[i, 3 : 3 + d], s.cells[i, 3 : 3 + d]])
+    held = [n - 1] if parts.anchor is None else [0, n - 1]
+    for node in held:
+        whole[node * d : node * d + d, size:] = 0.0
+    step.assemble(step.y0[n:].copy(), np.linspace(0.5, 1.5, n - 1))
+    step.solve()
+    found = np.concatenate([s.x[:n].ravel(), s.cells[: n - 1, 1]])
+    terms = np.abs(whole) @ np.abs(found) + np.abs(right)
+    assert np.all(np.abs(whole @ found - right) <= 1e-9 * terms)
+    if stiffness < 1e3:
+        assert found == pytest.approx(np.linalg.solve(whole, right), rel=1e-8, abs=1e-9 * np.max(np.abs(found)))
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1e12])
+@pytest.mark.parametrize(("base", "changes"), SCENES.values(), ids=SCENES)
+def test_elimination_is_stable_at_every_stiffness(base, changes, stiffness):
+    check_elimination(base, changes, stiffness)
+
+
+@pytest.mark.parametrize("stiffness", [1e2, 1e6])  # the cell above a held node is a plain spring: digits go as its stiffness grows
+def test_elimination_of_an_anchored_chain_is_exact(stiffness):
+    check_elimination(PLAIN, {"lower_end__anchored": True}, stiffness)
+
+
 @pytest.mark.parametrize("seed", [5, 6, 7])
 @pytest.mark.parametrize(("base", "changes"), SCENES.values(), ids=SCENES)
 def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, seed):
@@ -120,9 +164,8 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
     sizes = []
     while len(sizes) < 25 and (not sizes or sizes[-1] > 1e-11):
         step.assemble(v1, force)
-        prescribe_ends(parts, s.bands, s.x, step.n, step.top)
-        solve(parts.bending, s.bands, s.x, step.n, step.top)
-        _update_tensions(parts.slack, step.problem.numeric.smoothing, s.cells, s.x, step.n, step.top)
+        step.solve()
+        _update_tensions(parts.slack, step.problem.numeric.smoothing, s.cells, step.n)
         v1 += s.x[: step.n]
         new = s.cells[: step.n - 1, 0].copy()
         sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new))))  # m/s, and share of the tension

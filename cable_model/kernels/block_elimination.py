@@ -7,7 +7,8 @@ changes by T = c + b.(x_(i+1) - x_i) and loads row i with -T t, row i+1 with T t
     x_i = u - M x_(i+1) - N x_(i+2) + g T     from row i      (g = pivot t)
     T = T0 + e.x_(i+1) + o.x_(i+2),   e = (b + M'b)/(1 + b.g),  o = N'b/(1 + b.g),  T0 = (c - b.u)/(1 + b.g)
 
-which is well conditioned for every axial stiffness: b/(1 + b.g) stays finite as b grows.
+which is well conditioned for every axial stiffness: b/(1 + b.g) stays finite as b grows.  Only above an anchored node g = 0: the first
+cell is then a plain spring to the ground, whose stiffness joins the inertia of node 1 and costs digits above EA = 1e8 weights.
 """
 
 from cable_model.kernels.jit import kernel

@@ -12,7 +12,7 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import Body, Water, body_part, cable_part, node_count, total_weight, water_part
 from cable_model.kernels.staggered_step import Numeric, Problem
-from cable_model.kernels.top import evaluate
+from cable_model.kernels.top import evaluate, leaves_plane
 from cable_model.kernels.vector import axpy, sub
 
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
@@ -166,9 +166,7 @@ def initialize(parts, p, time, state, work):
     if status != header.OK:
         return status
     problem = build(parts, p, 0.0)
-    status = grid.starting_rates(
-        parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), time
-    )
+    status = grid.starting_rates(parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), time)
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):
@@ -255,6 +253,13 @@ def _note_worst(x, state):
 
 
 @kernel
+def _leaves_plane(space, path, state, length):
+    if space is not None:
+        return False
+    return leaves_plane(path, state[header.TOP + 1], length)
+
+
+@kernel
 def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
@@ -263,6 +268,9 @@ def advance(parts, p, time, span, path, state, work):
     """
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
+    if _leaves_plane(parts.space, path, state, problem.cable.length):
+        state[header.ERROR_TIME] = time
+        return header.OUT_OF_PLANE
     like = _top_at(parts, state, 0)
     c = coefficients(int(p[23]), p[22])
     tolerance = p[24]

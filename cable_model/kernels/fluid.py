@@ -138,4 +138,3 @@ def body_drag(coefficient, u):
     if speed > 1e-300:
         by_velocity = add_matrix(by_velocity, scale_matrix(-coefficient / speed, outer(u, u)))
     return scale(-coefficient * speed, u), by_velocity
-

@@ -238,4 +238,3 @@ def prescribe_ends(parts, bands, x, n, like):
 def _prescribe_anchor(anchor, bending, bands, x, like):
     if anchor is not None:
         identity_row(bending, bands, x, 0, like)
-

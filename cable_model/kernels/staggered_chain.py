@@ -6,7 +6,7 @@ from cable_model.kernels import header
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
-from cable_model.kernels.problem import Cable, body_weight, total_weight
+from cable_model.kernels.problem import body_weight, total_weight
 from cable_model.kernels.staggered import assemble, lower_end_terms
 from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
@@ -85,21 +85,16 @@ def _bend_guess(anchor, mesh, y, top):
 
 
 @kernel
-def _softened(problem, stiffness, tolerance):
-    """The same problem with another axial stiffness and Newton tolerance."""
+def _with_tolerance(problem, tolerance):
+    """The same problem with another Newton tolerance, m/s."""
     old = problem.numeric
-    c = problem.cable
     numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, tolerance)
-    cable = Cable(c.length, c.diameter, c.mass, stiffness, c.gravity, c.weight)
-    return Problem(cable, problem.medium, problem.body, numeric)
+    return Problem(problem.cable, problem.medium, problem.body, numeric)
 
 
 @kernel
 def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, time, s):
-    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps.
-
-    A stiff cable with bending is found through softer ones: from 1e4 times the weight up, by factors of 10.
-    """
+    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
     _first_guess(anchor, problem, weight, mesh, y, force, top)
@@ -109,13 +104,11 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     for i in range(2 * n):
         store(yd, i, still)
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
-    stiffness = min(problem.cable.stiffness, 1e4 * weight)
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
-        # positions to 1e-10 of the length, or to where rounding of the strain times EA leaves them
-        soft = _softened(problem, stiffness, max(1e-10, 1e-13 * stiffness / weight) * problem.cable.length / step)
-        status = newton_step(parts, soft, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
+        to_place = _with_tolerance(problem, 1e-10 * problem.cable.length / step)  # positions to 1e-10 of the length
+        status = newton_step(parts, to_place, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
         if status < 0:
             step *= 0.2
             if step < 1e-9 * period:
@@ -125,9 +118,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
         for i in range(n - 1):
             store(y, i, load(y1, i, top))
         if step >= 1e5 * period and status <= 4:
-            if stiffness == problem.cable.stiffness:
-                return header.OK
-            stiffness = min(10.0 * stiffness, problem.cable.stiffness)
+            return header.OK
         step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
 

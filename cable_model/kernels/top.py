@@ -41,6 +41,15 @@ def evaluate(path, h, s, k):
 
 
 @kernel
+def leaves_plane(path, y, length):
+    """Whether the path departs from the vertical plane at y by more than rounding of a motion in a scene of that length."""
+    drift = abs(path[0, 1] - y)
+    for i in range(1, 6):
+        drift += abs(path[i, 1])
+    return drift > 1e-9 * (length + abs(y))
+
+
+@kernel
 def mean_speed(path, h):
     """Distance between the ends of a path over the time h between them."""
     square = 0.0

@@ -22,7 +22,7 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import PARAMETERS
-from cable_model.kernels.top import evaluate
+from cable_model.kernels.top import evaluate, leaves_plane
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
@@ -137,10 +137,7 @@ def check_path(path, h, c, state):
         total += abs(path[i, 0]) + abs(path[i, 1]) + abs(path[i, 2])
     if not total < 1e12:
         return NOT_FINITE
-    drift = abs(path[0, 1] - state[PLANE])
-    for i in range(1, 6):
-        drift += abs(path[i, 1])
-    if drift > 1e-9 * (c.reference_length + abs(state[PLANE])):
+    if leaves_plane(path, state[PLANE], c.reference_length):
         return OUT_OF_PLANE
     return OK
 

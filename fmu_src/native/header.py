@@ -88,7 +88,8 @@ def _failures(model: Model) -> tuple[list[str], str]:
             for mark, (form, _) in marks.items():
                 text = text.replace(mark, form)
             formats.append(_text(text))
-    (arguments,) = orders
+    arguments = max(orders, key=len)  # a format may use fewer of them: printf ignores the rest
+    assert all(arguments.startswith(order) for order in orders)
     return formats, arguments
 
 
