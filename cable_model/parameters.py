@@ -21,7 +21,10 @@ class Cable:
     tangential_drag_coefficient: float = quantity(
         "1", "tangential drag coefficient (times the diameter, not the perimeter)", default=0.0, least=0.0
     )
-    added_mass_coefficient: float = quantity("1", "normal added mass over displaced mass", default=0.0, least=0.0)
+    added_mass_coefficient: float = quantity("1", "normal added mass over the mass of water in the diameter", default=0.0, least=0.0)
+    volume_per_length: float = quantity(
+        "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0
+    )
     compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
     inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
 
@@ -55,6 +58,17 @@ class Environment:
 @dataclass(frozen=True)
 class Water:
     density: float = quantity("kg/m3", "density of the water (0 = none)", default=1025.0, least=0.0)
+
+
+@dataclass(frozen=True)
+class Seabed:
+    """A flat, level, elastic bottom; it needs the cable's diameter."""
+
+    level: float = quantity("m", "height z of the seabed")
+    stiffness: float = quantity("Pa/m", "pressure per depth of penetration, on the diameter (0 = no seabed)", default=0.0, least=0.0)
+    damping_ratio: float = quantity("1", "damping of a node on the seabed over the critical one", default=1.0, least=0.0)
+    friction_coefficient: float = quantity("1", "Coulomb friction along the seabed (0 = none)", default=0.0, least=0.0)
+    friction_velocity: float = quantity("m/s", "sliding velocity at which friction reaches 0.7 of its full value", default=0.01, above=0.0)
 
 
 @dataclass(frozen=True)

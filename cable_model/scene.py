@@ -16,7 +16,7 @@ import numpy as np
 from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.kernels.family import INTEGRATORS
 from cable_model.kernels.problem import PARAMETERS, Parts
-from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Solver, Top, Tow, Water, Waves
+from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves
 from cable_model.quantity import build, quantity
 
 
@@ -31,6 +31,7 @@ class Scene:
     body: Body = field(default_factory=Body)
     environment: Environment = field(default_factory=Environment)
     water: Water | None = None
+    seabed: Seabed | None = None
     current: Current = field(default_factory=Current)
     waves: Waves = field(default_factory=Waves)
     top: Top = field(default_factory=Top)
@@ -53,6 +54,8 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("cable.diameter", 0.0, "m", "> 0 in water", "Give the diameter, or remove [water].")
     if scene.lower_end.anchored and scene.body.mass > 0.0:
         raise refuse("body.mass", scene.body.mass, "kg", "0 at an anchored end", "Remove [body] or lower_end.anchored.")
+    if scene.seabed is not None and scene.seabed.stiffness > 0.0:
+        _check_seabed(scene)
     levels = [row[0] for row in scene.current.levels]
     if levels != sorted(set(levels)) and levels != sorted(set(levels), reverse=True):
         raise refuse("current.levels", len(levels), "rows", "sorted by z without repeats", "Sort the table by z.")
@@ -68,6 +71,18 @@ def check_consistency(scene: Scene) -> None:
         for name, angle in tilted:
             if abs(math.sin(angle)) > 1e-9:
                 raise refuse(name, angle, "rad", "0 or pi in the plane", "Set solver.space = true, or turn the axes so that x is along it.")
+
+
+def _check_seabed(scene: Scene) -> None:
+    level = scene.seabed.level
+    if scene.cable.diameter == 0.0:
+        raise refuse("cable.diameter", 0.0, "m", "> 0 on a seabed", "Give the diameter, or remove [seabed].")
+    if scene.solver.grid == "box":
+        raise refuse("seabed.stiffness", scene.seabed.stiffness, "Pa/m", "0 on the box grid", 'Set solver.grid = "staggered".')
+    if scene.top.position[2] < level:
+        raise refuse("top.position[2]", scene.top.position[2], "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the top.")
+    if scene.lower_end.anchored and scene.lower_end.z < level:
+        raise refuse("lower_end.z", scene.lower_end.z, "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the anchor.")
 
 
 def from_dict(values: Mapping[str, Any]) -> Scene:
@@ -133,6 +148,7 @@ def _wave_table(waves: Waves, gravity: float) -> np.ndarray | None:
 def parts_of(scene: Scene, model: str) -> Parts:
     """Which parts the kernels of a model ("chain" or "tow") get; absent parts are None and cost nothing."""
     wet = scene.water is not None and scene.water.density > 0.0
+    grounded = scene.seabed is not None and scene.seabed.stiffness > 0.0
 
     def when(condition: bool) -> Any:
         return True if condition else None
@@ -151,6 +167,8 @@ def parts_of(scene: Scene, model: str) -> Parts:
         water=when(wet),
         current=_current_table(scene.current) if wet else None,
         waves=_wave_table(scene.waves, scene.environment.gravity) if wet else None,
+        seabed=when(chain and grounded),
+        friction=when(chain and grounded and scene.seabed.friction_coefficient > 0.0),
         cable_mass=when(not chain and scene.tow.cable_mass),
         tension_floor=when(not chain),
         as_printed=when(not chain and scene.tow.as_printed),

@@ -13,7 +13,7 @@ from cable_model.model import Model
 from cable_model.signals import OUTPUTS
 
 SPHERE = 18.0  # tow.body_angle, rad: anything beyond pi selects the drag law of spheres
-DEFAULTS = {"solver.time_step": 0.01, "tow.drag_segments": 10.0, "tow.body_angle": SPHERE}
+DEFAULTS = {"solver.time_step": 0.01, "tow.drag_segments": 10.0, "tow.body_angle": SPHERE, "cable.volume_per_length": -1.0}
 
 
 class TowCable(Model):

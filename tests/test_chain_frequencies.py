@@ -28,14 +28,14 @@ def dense(model, gains: Gains) -> np.ndarray:
     s.cells[: n - 1, 2] = np.linalg.norm(now.y[: n - 1], axis=1)
     s.cells[: n - 1, 3 : 3 + d] = now.y[: n - 1] / s.cells[: n - 1, 2:3]
     problem = chain.build(model.parts, model.numbers, 0.0)
-    assemble(model.parts, problem, gains, now.mesh, now.y[: n - 1], now.y[n:], np.zeros((n, d)), (0.0,) * d, 0.0, 0, s.bands, s.x, s.cells)
+    assemble(model.parts, problem, gains, now.mesh, now.y[: n - 1], now.y[n:], np.zeros((n, d)), (0.0,) * d, 0.0, 0, s.bands, s.x, s.cells, s.contact)
     full, _ = with_tensions(unroll(s.bands, n, d, bool(model.parts.bending)), s.x, s.cells, n)
     return full[: (n - 1) * d, : (n - 1) * d]
 
 
 def matrices(model) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and mass of the linearised chain in its hanging state."""
-    return dense(model, Gains(1.0, 0.0, 0.0, 0.0, 1.0)), dense(model, Gains(0.0, 0.0, 1.0, 0.0, 1.0))
+    return dense(model, Gains(1.0, 0.0, 0.0, 0.0, 1.0, 0.01)), dense(model, Gains(0.0, 0.0, 1.0, 0.0, 1.0, 0.01))
 
 
 def sideways_frequencies(nodes: int, **changes) -> np.ndarray:

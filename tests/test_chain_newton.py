@@ -52,7 +52,7 @@ class Step:
         alpha_k, alpha_m, gamma = self.c
         reach = STEP * gamma * (1.0 - alpha_k) / (1.0 - alpha_m)  # of the position by the velocity, both new
         averaged = reach * (1.0 - alpha_k)
-        self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0)
+        self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0, STEP)
 
     def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (n, D) and full Jacobian at new velocities v1 (n, D); cell tensions are expanded about `force`."""
@@ -64,7 +64,7 @@ class Step:
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
-        assemble(self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells)
+        assemble(self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells, s.contact)
         full, right = with_tensions(unroll(s.bands, self.n, self.d, bool(self.model.parts.bending)), s.x, s.cells, self.n)
         return -right, full
 

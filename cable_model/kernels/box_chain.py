@@ -44,7 +44,7 @@ def _staggered_guess(parts, problem, p, mesh, y, top, anchor, time, work):
     q = work[0:m].reshape((2 * n, 2))
     force = work[4 * m : 4 * m + n - 1]
     status = staggered_chain.equilibrium(
-        parts, Problem(cable, problem.medium, problem.body, problem.numeric), p, mesh, q,
+        parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground), p, mesh, q,
         work[m : 2 * m].reshape((2 * n, 2)), work[2 * m : 3 * m].reshape((2 * n, 2)), work[3 * m : 4 * m].reshape((2 * n, 2)),
         force, top, anchor, time, staggered_step.cut_scratch(work[4 * m + n :], n, (0.0, 0.0)),
     )  # fmt: skip
@@ -109,7 +109,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, top, anchor, time, s):
         return status
     old = problem.numeric
     numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, 1e-11 * speed_scale(problem))
-    exact = Problem(problem.cable, problem.medium, problem.body, numeric)
+    exact = Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
     yd[:, :] = 0.0
     cu = y.shape[1] // 3
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))

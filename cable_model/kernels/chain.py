@@ -10,7 +10,8 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import Body, Water, body_part, cable_part, node_count, total_weight, water_part
+from cable_model.kernels.problem import Body, Water, body_part, body_weight, cable_part, node_count, total_weight, water_part
+from cable_model.kernels.seabed import Ground
 from cable_model.kernels.staggered_step import Numeric, Problem
 from cable_model.kernels.top import evaluate, leaves_plane
 from cable_model.kernels.vector import axpy, sub
@@ -105,7 +106,8 @@ def build(parts, p, pull):
         pull,
         1e-8 * reference,
     )
-    return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric)
+    ground = _ground(parts.seabed, parts, p, cable)
+    return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric, ground)
 
 
 @kernel
@@ -134,6 +136,24 @@ def _hung(part, water, p):
 
 
 _body = by_presence(_no_body, _hung)
+
+
+@kernel
+def _no_ground(seabed, parts, p, cable):
+    return None
+
+
+@kernel
+def _grounded(seabed, parts, p, cable):
+    stiffness = p[36] * cable.diameter
+    length = cable.length
+    weight = max(abs(cable.weight), 1e-6 * total_weight(parts, p) / length)
+    hung = abs(body_weight(body_part(parts.body, parts.water, p))) / weight
+    lag = 2.0 * p[37] * math.sqrt(cable.mass / stiffness)
+    return Ground(p[35], stiffness, lag, p[38], p[39], hung, p[25] * weight)
+
+
+_ground = by_presence(_no_ground, _grounded)
 
 
 @kernel
@@ -189,18 +209,26 @@ def _path_at(parts, path, h, s):
 
 
 @kernel
-def _as_prescribed(anchor, parts, p, view, velocity, position, h):
+def _as_prescribed(held, parts, p, view, velocity, position, h):
     return velocity
 
 
 @kernel
-def _drawn_to(anchor, parts, p, view, velocity, position, h):
+def _drawn_to(held, parts, p, view, velocity, position, h):
     """Velocity that also removes the drift between the prescribed top and its integrated position."""
-    integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(anchor, parts.space, p))
+    integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(held, parts.space, p))
     return axpy(0.25 / h, sub(position, integrated), velocity)
 
 
-_top_velocity = by_presence(_as_prescribed, _drawn_to)  # drift arises on anchored cables only
+_above_seabed = by_presence(_as_prescribed, _drawn_to)
+
+
+@kernel
+def _without_anchor(anchor, parts, p, view, velocity, position, h):
+    return _above_seabed(parts.seabed, parts, p, view, velocity, position, h)
+
+
+_top_velocity = by_presence(_without_anchor, _drawn_to)  # drift arises where something below holds the cable
 
 
 @kernel

@@ -8,6 +8,7 @@ from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import total_weight
+from cable_model.kernels.seabed import start_contacts
 from cable_model.kernels.vector import axpy, load, mix, norm, scale
 
 
@@ -180,6 +181,7 @@ cell_vector = by_presence(_staggered_vector, _box_vector)  # (1 + eps) t of a ce
 def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
     mesh = view.mesh
     n = mesh.shape[0] + 1
+    start_contacts(parts.seabed, problem.ground, mesh, view.y, n - 1, last, top, view.scratch.contact)
     offset = (c.alpha_m - c.alpha_k) * last
     for i in range(n):
         for k in range(len(top)):
@@ -196,7 +198,7 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
         if t < 1e-3 * total_weight(parts, p):
             slack += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
-    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, time, view.scratch.cells)
+    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, time, view.scratch)
     force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, time, view.scratch)
     q = load(view.y, n - 2, top)
     return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack

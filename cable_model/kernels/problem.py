@@ -44,6 +44,12 @@ PARAMETERS = (
     "tow.drag_area_axial",
     "tow.body_angle",
     "tow.explicit",
+    "seabed.level",
+    "seabed.stiffness",
+    "seabed.damping_ratio",
+    "seabed.friction_coefficient",
+    "seabed.friction_velocity",
+    "cable.volume_per_length",
 )
 
 
@@ -61,6 +67,8 @@ class Parts(NamedTuple):
     water: object = None
     current: object = None  # table, one row a level: z, velocity x, velocity y; sorted by rising z; end values hold beyond it
     waves: object = None  # table, one row a component: amplitude, angular frequency, wave number, direction, phase
+    seabed: object = None
+    friction: object = None  # along the seabed
     cable_mass: object = None  # TowCable only (CBMAS >= 0)
     tension_floor: object = None  # TowCable only (TENS)
     as_printed: object = None  # TowCable only: the report's errors kept
@@ -91,8 +99,16 @@ class Water(NamedTuple):
 
 
 @kernel
+def displaced_area(p):
+    """Displaced volume per unstretched length, m2: that of the diameter unless given."""
+    if p[40] >= 0.0:
+        return p[40]
+    return 0.25 * 3.141592653589793 * p[1] * p[1]
+
+
+@kernel
 def cable_part(water, p):
-    area = 0.25 * 3.141592653589793 * p[1] * p[1]
+    area = displaced_area(p)
     density = 0.0
     if water is not None:
         density = p[18]
@@ -116,9 +132,9 @@ def body_part(body, water, p):
 def water_part(water, p):
     if water is None:
         return None
-    displaced = p[18] * 0.25 * 3.141592653589793 * p[1] * p[1]
+    added = p[18] * 0.25 * 3.141592653589793 * p[1] * p[1] * p[8]
     drag = 0.5 * p[18] * p[1]
-    return Water(drag * p[6], drag * p[7], displaced * p[8], displaced)
+    return Water(drag * p[6], drag * p[7], added, p[18] * displaced_area(p))
 
 
 @kernel

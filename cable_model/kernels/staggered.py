@@ -15,6 +15,7 @@ fourth-order dispersion on smooth meshes.
 from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, iterate, shortfall
 from cable_model.kernels.vector import (
     add,
@@ -86,7 +87,7 @@ def _turned(normal, x, t):
 
 
 @kernel
-def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, cells):
+def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, cells, contact):
     """Residual (with minus sign, into x) and Jacobian (into bands) of all rows at given q (n-1, D), v and a (n, D).
 
     The change of a cell's tension, T' = c + b.(v_up' - v_low'), is an unknown of its own and in neither x nor bands: the solver
@@ -95,8 +96,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
     cells (>=n-1, 3D+4), a row each: the tension, its change c at fixed velocities (written), the averaged stretch, the unit
     tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the shortfall.
+    contact (n, .): the table of seabed.py, likewise.
     """
-    cable, medium, body, numeric = problem
+    cable, medium, body, numeric, ground = problem
     n = v.shape[0]
     position = top
     like = top
@@ -150,6 +152,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
         carry_r = low_r
+        carry_r, carry_d = add_seabed(parts.seabed, parts, ground, gains, mesh, i, position, v_low, contact, carry_r, carry_d)
         cells[i, 1] = gains.law * slope * misfit
         store_from(cells, i, 3, t)
         store_from(cells, i, 3 + len(like), along)
@@ -162,6 +165,14 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     store(x, lowest, scale(-1.0, add(carry_r, end_r)))
     x[lowest, 0] += numeric.pull
     _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, like)
+
+
+@kernel
+def add_seabed(present, parts, ground, gains, mesh, i, position, v, contact, residual, jacobian):
+    if present is None:
+        return residual, jacobian
+    load, by_velocity = node_load(present, parts.friction, ground, gains, mesh, i, position, v, contact)
+    return add(residual, load), add_matrix(jacobian, by_velocity)
 
 
 @kernel

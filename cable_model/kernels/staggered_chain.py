@@ -7,7 +7,7 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
-from cable_model.kernels.staggered import assemble, lower_end_terms
+from cable_model.kernels.staggered import add_seabed, assemble, lower_end_terms
 from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
@@ -89,7 +89,7 @@ def _with_tolerance(problem, tolerance):
     """The same problem with another Newton tolerance, m/s."""
     old = problem.numeric
     numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, tolerance)
-    return Problem(problem.cable, problem.medium, problem.body, numeric)
+    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
 
 
 @kernel
@@ -101,6 +101,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     still = zero(top)
     for i in range(n, 2 * n):
         store(y, i, still)
+    store(y, n - 1, top)
     for i in range(2 * n):
         store(yd, i, still)
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
@@ -162,22 +163,23 @@ def tensions_now(slack, problem, y, force, force_old, ahead, top, cells):
 def top_force(parts, problem, mesh, y, acceleration, top, time, s):
     """Force of the cable on its attachment; `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions."""
     n = mesh.shape[0] + 1
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     lowest = max(n - 3, 0)
-    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells)
+    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
     return load(s.x, n - 1, top)
 
 
 @kernel
-def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, time, cells):
+def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, time, s):
     """Tension that reaches the lower end: what the body needs, or without one the first cell's less its lower share of weight."""
     n = mesh.shape[0] + 1
     q = load(y, 0, position)
     t = scale(1.0 / norm(q), q)
     if present is None:
-        return cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0)
+        return s.cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
-    needed, _ = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
+    needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
+    needed, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, s.contact, needed, needed_by)
     return dot(needed, t)

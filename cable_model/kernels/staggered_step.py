@@ -9,6 +9,8 @@ from typing import NamedTuple
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
+from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
+from cable_model.kernels.seabed import start_contacts, update_contacts
 from cable_model.kernels.slack import step_tension
 from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
@@ -37,6 +39,7 @@ class Problem(NamedTuple):
     medium: object
     body: object
     numeric: object
+    ground: object  # the seabed
 
 
 class Gains(NamedTuple):
@@ -46,7 +49,8 @@ class Gains(NamedTuple):
     v: float
     a: float
     r: float
-    law: float  # 1: the tension is drawn to its law; 0: it is taken as it is
+    law: float  # 1: tensions and contact forces are drawn to their laws; 0: they are taken as they are
+    step: float  # s
 
 
 class Scratch(NamedTuple):
@@ -59,17 +63,19 @@ class Scratch(NamedTuple):
     bands: object
     cells: object
     length: object  # stretch of the cells before the step
+    contact: object  # columns of seabed.py
 
 
 @kernel
 def scratch_size(n, dimension):
-    return n * (7 * dimension + 5) + 5 * n * dimension * dimension
+    return n * (7 * dimension + 5 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
 
 
 @kernel
 def cut_scratch(work, n, like):
     d = len(like)
     m = n * d
+    o = 4 * m + 5 * m * d + n * (3 * d + 5)
     return Scratch(
         work[0:m].reshape((n, d)),
         work[m : 2 * m].reshape((n, d)),
@@ -77,7 +83,8 @@ def cut_scratch(work, n, like):
         work[3 * m : 4 * m].reshape((n, d)),
         work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
         work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 4)].reshape((n, 3 * d + 4)),
-        work[4 * m + 5 * m * d + n * (3 * d + 4) : 4 * m + 5 * m * d + n * (3 * d + 5)],
+        work[o - n : o],
+        work[o : o + n * CONTACT_COLUMNS].reshape((n, CONTACT_COLUMNS)),
     )
 
 
@@ -96,7 +103,8 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     to_position = h * c.gamma * rate_new * (1.0 - c.alpha_k)
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
-    gains = Gains(to_position * (1.0 - c.alpha_k), 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, to_position * (1.0 - c.alpha_k), 1.0)
+    moved = to_position * (1.0 - c.alpha_k)
+    gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, moved, 1.0, h)
     reach = h / h_old if h_old > 0.0 else 0.0
     for i in range(n - 1):
         store(y1, n + i, mix(1.0 + reach, load(y0, n + i, like), -reach, load(y_old, n + i, like)))
@@ -106,10 +114,12 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
         s.cells[i, 0] = force[i]
         s.length[i] = norm(load(y0, i, like))
     _forget_slack(parts.slack, problem, c.alpha_k, s)
+    top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
+    start_contacts(parts.seabed, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
-        assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells)
+        assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
         change = 0.0
@@ -122,6 +132,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
         if not change < 1e12:
             return DIVERGED
         cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, n)
+        cut = update_contacts(parts.seabed, problem.ground, mesh, s.x, s.contact) or cut
         # quadratic convergence: the next change would be about change^3/previous^2
         expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
         if min(change, 100.0 * expected) <= problem.numeric.tolerance and not cut:
@@ -152,6 +163,19 @@ def _update_tensions(slack, smoothing, cells, n):
         cells[i, 0], limited = step_tension(slack, smoothing, cells[i, 0], cells[i, 1])
         cut = cut or limited
     return cut
+
+
+@kernel
+def _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top):
+    """Where the cable's own motion brings its top at the averaged time: where the lower end or a seabed holds it, heights count from there."""
+    if parts.anchor is None and parts.seabed is None:
+        return top
+    n = y0.shape[0] // 2
+    before = load(y0, n - 1, top)
+    rate = load(yd0, n - 1, top)
+    drift = mix(1.0 - c.alpha_k, load(y1, 2 * n - 1, top), c.alpha_k, load(y0, 2 * n - 1, top))
+    after = axpy(h, mix(1.0 - c.gamma, rate, c.gamma, mix(rate_new, drift, -rate_old, rate)), before)
+    return mix(1.0 - c.alpha_k, after, c.alpha_k, before)
 
 
 @kernel
