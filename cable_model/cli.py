@@ -186,7 +186,7 @@ def check(
         raise ParameterError(f"{fmu}: no such file. Build it with `python build_fmu.py`.")
     if scene is not None:
         loaded = load(scene)
-        times, inputs = sampled_motion(top_motion(loaded.top), loaded.run.duration, loaded.run.output_step)
+        times, inputs = sampled_motion(top_motion(loaded.top, loaded.winch), loaded.run.duration, loaded.run.output_step)
     elif reference.is_file():
         columns, table = read_csv(reference)
         times = table[:, columns.index("time")]

@@ -13,7 +13,7 @@ from cable_model.signals import INPUTS, OUTPUTS
 def simulate_fmu(
     fmu: Path, times: np.ndarray, inputs: np.ndarray, parameters: dict[str, object] | None = None
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Simulate an FMU at equal communication steps `times` (n,) with `inputs` (n, 9); returns columns and table as a library run has."""
+    """Simulate an FMU at equal communication steps `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has."""
     import fmpy
 
     layout = [("time", float), *((name, float) for name in INPUTS)]
@@ -35,6 +35,6 @@ def simulate_fmu(
 
 
 def sampled_motion(motion: TopMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times k * step and the top's motion there, (n, 9)."""
+    """Times k * step and the top's motion there, (n, 10)."""
     times = step * np.arange(round(duration / step) + 1)
     return times, np.array([motion(t) for t in times])

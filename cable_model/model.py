@@ -11,18 +11,22 @@ from cable_model.kernels import header, top
 from cable_model.scene import Scene, numbers_of, parts_of
 from cable_model.signals import INPUTS, OUTPUTS
 
-UNITS = ("m", "m/s", "m/s2")  # of the inputs, three at a time
+UNITS = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3 + ("m/s",)  # of the inputs
 FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
     header.NOT_FINITE: "the solution is not finite",
     header.NO_EQUILIBRIUM: "no static equilibrium was found",
+    header.NO_WINCH: "the winch turned, but the cable has none",
+    header.HAULED_IN: "the winch hauled in the whole cable",
     header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
 }
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
     header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
     header.NO_EQUILIBRIUM: "Check weight and current; give the cable or body some weight in water",
+    header.NO_WINCH: "Leave winch.speed at 0, or set winch.fitted = true (chain only)",
+    header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
     header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true (chain only)",
 }
 
@@ -48,11 +52,11 @@ class Model:
         self.state = np.zeros(self.kernels.state_size(self.parts, self.numbers))
         self.outputs = np.zeros(len(OUTPUTS))
         self._work = np.zeros(self.kernels.work_size(self.parts, self.numbers))
-        self._path = np.zeros((6, 3))
+        self._path = np.zeros((6, 4))
         self._end = np.zeros(9)
 
     def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
-        """Static equilibrium under the top that `inputs` (9,) places; raises SolverError where there is none."""
+        """Static equilibrium under the top that `inputs` (10,) places; raises SolverError where there is none."""
         inputs = self._finite(inputs)
         self.state[:] = 0.0
         top.start_top(self.motion_order, self.state, inputs)
@@ -60,22 +64,23 @@ class Model:
         self._read_outputs(time)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
-        """One communication step from `time`, with inputs (9,) held as FMI holds them: their values at the start of the step.
+        """One communication step from `time`, with inputs (10,) held as FMI holds them: their values at the start of the step.
 
         The top moves on by extrapolation, see kernels.top.predict; what it was off by at the start is removed smoothly.
         """
         inputs = self._finite(inputs)
         step = self._positive(step)
         order = self.motion_order
-        top.predict(order, self.state, inputs, step, self._end)
-        top.quintic(self.state[header.TOP : header.TOP + 9], self._end, step, self._path)
+        top.follow_inputs(order, self.state, inputs, step, self._end, self._path)
         self._follow(time, step)
         top.remember(order, self.state, inputs, step)
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
-        """One step with the top's motion known at both ends, (9,) each: position, velocity, acceleration."""
+        """One step with the top's motion known at both ends, (10,) each: position, velocity, acceleration, winch speed; or (9,) without a winch."""
         step = self._positive(step)
-        top.quintic(self._finite(start), self._finite(end), step, self._path)
+        start, end = self._finite(start), self._finite(end)
+        top.quintic(start, end, step, self._path)
+        top.wind(self.state[header.PAID_OUT], start[9], end[9], step, self._path)
         self._follow(time, step)
 
     def positions(self) -> np.ndarray:
@@ -103,7 +108,7 @@ class Model:
         if status == header.OK:
             return
         where = max(float(self.state[header.ERROR_TIME]), time)
-        how_bad = "" if status == header.OUT_OF_PLANE else f" ({self._measure(status)})"
+        how_bad = "" if status in (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN) else f" ({self._measure(status)})"
         raise SolverError(
             f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]}{how_bad}. "
             f"{_REMEDIES[status]}. Results before this time are valid."
@@ -123,9 +128,11 @@ class Model:
     @staticmethod
     def _finite(inputs: np.ndarray) -> np.ndarray:
         inputs = np.ascontiguousarray(inputs, dtype=np.float64)
+        if inputs.shape == (9,):  # the winch stands still
+            inputs = np.append(inputs, 0.0)
         if inputs.shape != (len(INPUTS),):
-            raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top.")
+            raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top, and the winch's speed.")
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))
-            raise refuse(INPUTS[first], float(inputs[first]), UNITS[first // 3], "finite", "Check what is connected to this input.")
+            raise refuse(INPUTS[first], float(inputs[first]), UNITS[first], "finite", "Check what is connected to this input.")
         return inputs

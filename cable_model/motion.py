@@ -9,9 +9,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cable_model.errors import refuse
-from cable_model.parameters import Motion, Top
+from cable_model.parameters import Motion, Top, Winch
 
-TopMotion = Callable[..., np.ndarray]  # (time, side=+1) -> (9,): position, velocity, acceleration
+TopMotion = Callable[..., np.ndarray]  # (time, side=+1) -> (10,): position, velocity, acceleration, winch speed
 
 
 def fade_in(t: float, ramp_time: float) -> tuple[float, float, float]:
@@ -56,14 +56,15 @@ def _part(part: Motion, t: float, side: int) -> tuple[float, float, float]:
     return part.velocity * local, part.velocity, 0.0
 
 
-def top_motion(top: Top) -> TopMotion:
-    """The motion that a scene's [top] describes.
+def top_motion(top: Top, winch: Winch | None = None) -> TopMotion:
+    """The motion that a scene's [top] and [winch] describe.
 
-    The returned function gives position, velocity and acceleration, (9,), at a time; where the motion jumps, `side` +1 takes the
+    The returned function gives position, velocity, acceleration and the winch's speed, (10,), at a time; where the motion jumps, `side` +1 takes the
     limit from after that time and -1 the one from before.
     """
     position = np.array(top.position)
     splines = None
+    speeds = np.array(winch.speeds) if winch is not None and winch.speeds else None
     if top.table:
         rows = np.array(top.table)
         if len(rows) < 4 or not np.all(np.diff(rows[:, 0]) > 0.0):
@@ -71,7 +72,7 @@ def top_motion(top: Top) -> TopMotion:
         splines = [CubicSpline(rows[:, 0], rows[:, 1:]).derivative(k) if k else CubicSpline(rows[:, 0], rows[:, 1:]) for k in range(3)]
 
     def motion(t: float, side: int = 1) -> np.ndarray:
-        state = np.zeros(9)
+        state = np.zeros(10)
         state[:3] = position
         for part in top.motion:
             k = "xyz".index(part.axis)
@@ -82,6 +83,8 @@ def top_motion(top: Top) -> TopMotion:
             for derivative, spline in enumerate(splines):
                 if derivative == 0 or inside == t:
                     state[3 * derivative : 3 * derivative + 3] += spline(inside)
+        if speeds is not None:
+            state[9] = np.interp(t, speeds[:, 0], speeds[:, 1])
         return state
 
     return motion

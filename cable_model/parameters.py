@@ -25,6 +25,9 @@ class Cable:
     volume_per_length: float = quantity(
         "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0
     )
+    stiffness_curve: tuple[tuple[float, float], ...] = quantity(
+        "1, N", "table of [strain, tension] from [0, 0] up, joined smoothly, in place of axial_stiffness", default=()
+    )
     compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
     inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
 
@@ -64,7 +67,7 @@ class Water:
 class Seabed:
     """A flat, level, elastic bottom; it needs the cable's diameter."""
 
-    level: float = quantity("m", "height z of the seabed")
+    level: float = quantity("m", "height z of the seabed", default=0.0)
     stiffness: float = quantity("Pa/m", "pressure per depth of penetration, on the diameter (0 = no seabed)", default=0.0, least=0.0)
     damping_ratio: float = quantity("1", "damping of a node on the seabed over the critical one", default=1.0, least=0.0)
     friction_coefficient: float = quantity("1", "Coulomb friction along the seabed (0 = none)", default=0.0, least=0.0)
@@ -106,6 +109,16 @@ class Tow:
     added_mass_vertical: float = quantity("kg", "vertical added mass of the body (-1 = as body.added_mass)", default=-1.0, least=-1.0)
     as_printed: bool = quantity("", "whether the report's errors are kept, to compare with its figures", default=False)
     explicit: bool = quantity("", "whether the report's explicit Kutta-Merson method is used", default=False)
+
+
+@dataclass(frozen=True)
+class Winch:
+    """A winch at the top that pays cable out and hauls it in."""
+
+    fitted: bool = quantity("", "whether a winch changes the cable's length", default=False)
+    speeds: tuple[tuple[float, float], ...] = quantity(
+        "s, m/s", "table of [time, speed paid out]; between its rows linear, beyond them held", default=()
+    )
 
 
 @dataclass(frozen=True)

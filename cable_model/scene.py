@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import tomllib
 from collections.abc import Mapping
@@ -12,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.kernels.family import INTEGRATORS
 from cable_model.kernels.problem import PARAMETERS, Parts
-from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves
+from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
 from cable_model.quantity import build, quantity
 
 
@@ -31,10 +33,11 @@ class Scene:
     body: Body = field(default_factory=Body)
     environment: Environment = field(default_factory=Environment)
     water: Water | None = None
-    seabed: Seabed | None = None
+    seabed: Seabed = field(default_factory=Seabed)
     current: Current = field(default_factory=Current)
     waves: Waves = field(default_factory=Waves)
     top: Top = field(default_factory=Top)
+    winch: Winch = field(default_factory=Winch)
     tow: Tow = field(default_factory=Tow)
     solver: Solver = field(default_factory=Solver)
     run: Run = field(default_factory=Run)
@@ -54,8 +57,14 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("cable.diameter", 0.0, "m", "> 0 in water", "Give the diameter, or remove [water].")
     if scene.lower_end.anchored and scene.body.mass > 0.0:
         raise refuse("body.mass", scene.body.mass, "kg", "0 at an anchored end", "Remove [body] or lower_end.anchored.")
-    if scene.seabed is not None and scene.seabed.stiffness > 0.0:
+    if scene.seabed.stiffness > 0.0:
         _check_seabed(scene)
+    if scene.winch.fitted and scene.solver.grid == "box":
+        raise refuse("winch.fitted", True, "", "false on the box grid", 'Set solver.grid = "staggered".')
+    if scene.winch.speeds:
+        _check_speeds(scene.winch)
+    if scene.cable.stiffness_curve:
+        _check_curve(scene)
     levels = [row[0] for row in scene.current.levels]
     if levels != sorted(set(levels)) and levels != sorted(set(levels), reverse=True):
         raise refuse("current.levels", len(levels), "rows", "sorted by z without repeats", "Sort the table by z.")
@@ -83,6 +92,23 @@ def _check_seabed(scene: Scene) -> None:
         raise refuse("top.position[2]", scene.top.position[2], "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the top.")
     if scene.lower_end.anchored and scene.lower_end.z < level:
         raise refuse("lower_end.z", scene.lower_end.z, "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the anchor.")
+
+
+def _check_speeds(winch: Winch) -> None:
+    times = [row[0] for row in winch.speeds]
+    if not winch.fitted:
+        raise refuse("winch.speeds", len(times), "rows", "empty without a winch", "Set winch.fitted = true.")
+    if times != sorted(set(times)):
+        raise refuse("winch.speeds", len(times), "rows", "sorted by time without repeats", "Sort the rows by time.")
+
+
+def _check_curve(scene: Scene) -> None:
+    rows = scene.cable.stiffness_curve
+    rising = all(a[0] < b[0] and a[1] < b[1] for a, b in itertools.pairwise(rows))
+    if len(rows) < 2 or tuple(rows[0]) != (0.0, 0.0) or not rising:
+        raise refuse("cable.stiffness_curve", len(rows), "rows", "[0, 0] and rows of rising strain and tension", "Sort the rows by strain.")
+    if scene.solver.grid == "box":
+        raise refuse("cable.stiffness_curve", len(rows), "rows", "empty on the box grid", 'Set solver.grid = "staggered".')
 
 
 def from_dict(values: Mapping[str, Any]) -> Scene:
@@ -138,6 +164,18 @@ def _current_table(current: Current) -> np.ndarray | None:
     return np.ascontiguousarray(table)
 
 
+def _curve_table(cable: Cable) -> np.ndarray | None:
+    """Rows of strain, tension and slope of a monotone cubic interpolation."""
+    if not cable.stiffness_curve:
+        return None
+    rows = np.array(cable.stiffness_curve)
+    slopes = PchipInterpolator(rows[:, 0], rows[:, 1]).derivative()(rows[:, 0])
+    secants = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
+    slopes[0] = max(slopes[0], 0.1 * secants[0])
+    slopes[-1] = max(slopes[-1], 0.1 * secants[-1])
+    return np.ascontiguousarray(np.column_stack((rows, slopes)))
+
+
 def _wave_table(waves: Waves, gravity: float) -> np.ndarray | None:
     if waves.amplitude == 0.0:
         return None
@@ -148,12 +186,14 @@ def _wave_table(waves: Waves, gravity: float) -> np.ndarray | None:
 def parts_of(scene: Scene, model: str) -> Parts:
     """Which parts the kernels of a model ("chain" or "tow") get; absent parts are None and cost nothing."""
     wet = scene.water is not None and scene.water.density > 0.0
-    grounded = scene.seabed is not None and scene.seabed.stiffness > 0.0
+    grounded = scene.seabed.stiffness > 0.0
 
     def when(condition: bool) -> Any:
         return True if condition else None
 
     chain = model == "chain"
+    if not chain and scene.cable.stiffness_curve:
+        raise refuse("cable.stiffness_curve", len(scene.cable.stiffness_curve), "rows", "empty for TowCable", "Use CableChain.")
     box = chain and scene.solver.grid == "box"
     return Parts(
         box=when(box),
@@ -169,6 +209,8 @@ def parts_of(scene: Scene, model: str) -> Parts:
         waves=_wave_table(scene.waves, scene.environment.gravity) if wet else None,
         seabed=when(chain and grounded),
         friction=when(chain and grounded and scene.seabed.friction_coefficient > 0.0),
+        winch=when(chain and scene.winch.fitted),
+        curve=_curve_table(scene.cable),
         cable_mass=when(not chain and scene.tow.cable_mass),
         tension_floor=when(not chain),
         as_printed=when(not chain and scene.tow.as_printed),

@@ -4,6 +4,7 @@ INPUTS = (
     "top.x", "top.y", "top.z",
     "top.vx", "top.vy", "top.vz",
     "top.ax", "top.ay", "top.az",
+    "winch.speed",
 )  # fmt: skip
 
 OUTPUTS = (

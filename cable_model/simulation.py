@@ -16,7 +16,7 @@ from cable_model.signals import INPUTS, OUTPUTS
 
 @dataclass(frozen=True)
 class Result:
-    """Time series of a run: `table` (rows, 1 + 9 + outputs) with the names in `columns`; `shapes` (rows, points, 3)."""
+    """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3)."""
 
     columns: tuple[str, ...]
     table: np.ndarray
@@ -57,12 +57,12 @@ def simulate(
     scene = model.scene
     duration = scene.run.duration if duration is None else duration
     step = scene.run.output_step if output_step is None else output_step
-    motion = motion or top_motion(scene.top)
+    motion = motion or top_motion(scene.top, scene.winch)
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
 
     def record(time: float, inputs: np.ndarray) -> None:
-        row = np.concatenate(([time], inputs, model.outputs))
+        row = np.concatenate(([time], inputs, np.zeros(len(INPUTS) - len(inputs)), model.outputs))
         rows.append(row)
         shapes.append(model.positions())
         if keep is not None:

@@ -87,6 +87,13 @@ _PARAMETERS = (
     "tow.added_mass_vertical",
     "tow.as_printed",
     "tow.explicit",
+    "seabed.level",
+    "seabed.stiffness",
+    "seabed.damping_ratio",
+    "seabed.friction_coefficient",
+    "seabed.friction_velocity",
+    "cable.volume_per_length",
+    "winch.fitted",
 )
 
 _INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}

@@ -24,7 +24,7 @@ def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[st
     """Simulate FMUs, with the scene's values as parameters, under the scene's top motion; writes CSV files and a picture to `folder`."""
     scene = load(scene_name)
     parameters = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
-    times, inputs = sampled_motion(top_motion(scene.top), scene.run.duration, scene.run.output_step)
+    times, inputs = sampled_motion(top_motion(scene.top, scene.winch), scene.run.duration, scene.run.output_step)
     stem = Path(scene_name).stem
     folder.mkdir(parents=True, exist_ok=True)
     results = {}

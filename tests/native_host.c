@@ -11,7 +11,7 @@
 
 #include "fmi2Functions.h"
 
-#define N_INPUTS 9
+#define N_INPUTS 10
 #define MOST 64
 
 static struct {

@@ -9,13 +9,14 @@ from scipy.special import jn_zeros
 from cable_model.kernels import chain
 from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
 from cable_model.kernels.staggered import assemble
-from cable_model.kernels.staggered_step import Gains, newton_step
+from cable_model.kernels.staggered_step import Gains, Winding, newton_step
 
 UNIT = {
     "cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1e9},
     "environment": {"gravity": 1.0},
     "solver": {"nodes": 51, "time_step": 0.01},
 }
+STILL = Winding(1.0, 0.0, 0.0)
 HINGED_BEAM = [1.20241, 2.76025, 4.32965, 5.91057, 7.51305]  # EI = 1e-6, hinged top: Hermite beam eigenvalues
 
 
@@ -35,7 +36,7 @@ def dense(model, gains: Gains) -> np.ndarray:
 
 def matrices(model) -> tuple[np.ndarray, np.ndarray]:
     """Stiffness and mass of the linearised chain in its hanging state."""
-    return dense(model, Gains(1.0, 0.0, 0.0, 0.0, 1.0, 0.01)), dense(model, Gains(0.0, 0.0, 1.0, 0.0, 1.0, 0.01))
+    return dense(model, Gains(1.0, 0.0, 0.0, 0.0, 1.0, 0.01, STILL)), dense(model, Gains(0.0, 0.0, 1.0, 0.0, 1.0, 0.01, STILL))
 
 
 def sideways_frequencies(nodes: int, **changes) -> np.ndarray:
@@ -92,7 +93,7 @@ def test_a_newton_step_amplifies_every_mode_as_the_characteristic_equation_says(
         y1, yd1 = y.reshape(-1, 2).copy(), yd.reshape(-1, 2).copy()
         status = newton_step(
             model.parts, problem, now.mesh, y.reshape(-1, 2), yd.reshape(-1, 2), y.reshape(-1, 2), 0.0, c, 0.0, h,
-            (0.0, 0.0), (0.0, 0.0), y1, yd1, now.force, now.scratch,
+            (0.0, 0.0), (0.0, 0.0), Winding(1.75, 0.0, 0.0), y1, yd1, now.force, now.scratch,
         )  # fmt: skip
         assert status > 0
         return np.concatenate([y1.ravel()[free] - now.y.ravel()[free], yd1.ravel()[free]])

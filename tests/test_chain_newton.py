@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view, with_tensions
 
-from cable_model.kernels import chain
+from cable_model.kernels import chain, seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
 from cable_model.kernels.staggered import assemble, prescribe_ends
-from cable_model.kernels.staggered_step import Gains, _average, _update_tensions
+from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
 
 STEP = 0.02
 PLAIN = {**HANGING, "solver": {"nodes": 7, "time_step": STEP, "lambda_infinity": -0.5, "slack_smoothing": 0.05}}
@@ -52,7 +52,11 @@ class Step:
         alpha_k, alpha_m, gamma = self.c
         reach = STEP * gamma * (1.0 - alpha_k) / (1.0 - alpha_m)  # of the position by the velocity, both new
         averaged = reach * (1.0 - alpha_k)
-        self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0, STEP)
+        self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0, STEP, Winding(1.75, 0.2, 0.4))
+        seabed.start_contacts(
+            self.model.parts.seabed, self.problem.ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, self.now.scratch.contact
+        )
+        self.contacts = self.now.scratch.contact[:, seabed.FORCE].copy()
 
     def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (n, D) and full Jacobian at new velocities v1 (n, D); cell tensions are expanded about `force`."""
@@ -61,6 +65,7 @@ class Step:
         y1 = self.y0.copy()
         y1[self.n :] = v1
         s.cells[: self.n - 1, 0] = force
+        s.contact[:, seabed.FORCE] = self.contacts
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
@@ -79,16 +84,25 @@ class Step:
         for _ in range(200):
             self.assemble(v1, force)
             change = self.now.scratch.cells[: self.n - 1, 1].copy()
+            self.contacts = np.maximum(self.contacts + self.now.scratch.contact[:, seabed.CHANGE], 0.1 * self.contacts)
             force = np.maximum(force + change, 0.1 * force) if self.model.parts.slack else force + change
         assert np.max(np.abs(change)) < 1e-10 * np.max(np.abs(force))
         return force
 
 
+GROUND = {
+    "cable__diameter": 0.01, "seabed__level": -1.9, "seabed__stiffness": 1e4, "seabed__friction_coefficient": 0.4,
+    "seabed__friction_velocity": 0.2,
+}  # fmt: skip
 SCENES = {
     "plane": (PLAIN, {}),
     "plane, compressible": (PLAIN, {"cable__compressible": True}),
     "plane, bending, body, current, waves": (WET, {}),
     "space": (PLAIN, {"solver__space": True}),
+    "plane, seabed with friction": (PLAIN, GROUND),
+    "space, seabed with friction": (PLAIN, {**GROUND, "solver__space": True}),
+    "plane, winch": (PLAIN, {"winch__fitted": True}),
+    "plane, table of the stiffness": (PLAIN, {"cable__stiffness_curve": [[0.0, 0.0], [0.01, 1.5], [0.05, 20.0]]}),
     "space, bending, body, current, waves": (WET, {"solver__space": True, "waves__direction": 0.7}),
 }
 

@@ -185,7 +185,7 @@ def measure(parts, problem, mesh, y, yd, ydd, offset, top, threshold):
     s0 = math.sin(y[0, cu + 2])
     c0 = math.cos(y[0, cu + 2])
     velocity = (y[0, cu] * s0 + y[0, cu + 1] * c0, y[0, cu] * c0 - y[0, cu + 1] * s0)
-    return force, (s, c), (x, z), velocity, above, largest, smallest, slack
+    return force, (s, c), (x, z), velocity, above, largest, smallest, slack / problem.cable.length
 
 
 @kernel

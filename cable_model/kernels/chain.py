@@ -12,10 +12,11 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import Body, Water, body_part, body_weight, cable_part, node_count, total_weight, water_part
 from cable_model.kernels.seabed import Ground
-from cable_model.kernels.staggered_step import Numeric, Problem
-from cable_model.kernels.top import evaluate, leaves_plane
+from cable_model.kernels.staggered_step import Numeric, Problem, Winding
+from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 
+LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 
 
@@ -93,8 +94,8 @@ def _presence(present, value):
 
 
 @kernel
-def build(parts, p, pull):
-    """The problem that the parameters describe."""
+def build(parts, p, pull, moves=1.0):
+    """The problem that the parameters describe; `moves` 0 for statics."""
     cable = cable_part(parts.water, p)
     wave_damping = p[26] * math.sqrt(cable.stiffness * cable.mass)
     reference = math.sqrt(max(cable.gravity, 1e-3) * cable.length)
@@ -106,7 +107,7 @@ def build(parts, p, pull):
         pull,
         1e-8 * reference,
     )
-    ground = _ground(parts.seabed, parts, p, cable)
+    ground = _ground(parts.seabed, parts, p, cable, moves)
     return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric, ground)
 
 
@@ -139,18 +140,18 @@ _body = by_presence(_no_body, _hung)
 
 
 @kernel
-def _no_ground(seabed, parts, p, cable):
+def _no_ground(seabed, parts, p, cable, moves):
     return None
 
 
 @kernel
-def _grounded(seabed, parts, p, cable):
+def _grounded(seabed, parts, p, cable, moves):
     stiffness = p[36] * cable.diameter
     length = cable.length
     weight = max(abs(cable.weight), 1e-6 * total_weight(parts, p) / length)
     hung = abs(body_weight(body_part(parts.body, parts.water, p))) / weight
-    lag = 2.0 * p[37] * math.sqrt(cable.mass / stiffness)
-    return Ground(p[35], stiffness, lag, p[38], p[39], hung, p[25] * weight)
+    lag = moves * 2.0 * p[37] * math.sqrt(cable.mass / stiffness)
+    return Ground(p[35], stiffness, lag, moves, p[38], p[39], hung, p[25] * weight)
 
 
 _ground = by_presence(_no_ground, _grounded)
@@ -179,14 +180,18 @@ def _top_at(parts, state, offset):
 def initialize(parts, p, time, state, work):
     """Static equilibrium under the top of the header; the top alone moves already."""
     view = cut(parts, p, state, work)
-    problem = build(parts, p, p[16])
+    problem = build(parts, p, p[16], 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[20], view.mesh)
     top = _top_at(parts, state, 0)
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
     if status != header.OK:
         return status
     problem = build(parts, p, 0.0)
-    status = grid.starting_rates(parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), time)
+    state[header.MESH_LENGTH] = problem.cable.length
+    winding = _winding_now(parts.winch, problem, state)
+    status = grid.starting_rates(
+        parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), winding, time
+    )
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):
@@ -232,8 +237,40 @@ _top_velocity = by_presence(_without_anchor, _drawn_to)  # drift arises where so
 
 
 @kernel
+def _fixed_length(winch, problem, state):
+    return Winding(problem.cable.length, 0.0, 0.0)
+
+
+@kernel
+def _wound_length(winch, problem, state):
+    length = problem.cable.length + state[header.PAID_OUT]
+    return Winding(length, state[header.WINCH_SPEED] / length, 0.0)
+
+
+_winding_now = by_presence(_fixed_length, _wound_length)
+
+
+@kernel
+def _no_winding(winch, parts, problem, view, state, path, span, s):
+    return Winding(problem.cable.length, 0.0, 0.0)
+
+
+@kernel
+def _wind_to(winch, parts, problem, view, state, path, span, s):
+    paid_out, speed, acceleration = evaluate(path, span, s, WINCH)
+    length = problem.cable.length + paid_out
+    grid.change_length(parts.box, view, length / state[header.MESH_LENGTH])
+    state[header.MESH_LENGTH] = length
+    return Winding(length, speed / length, acceleration / length)
+
+
+_winding = by_presence(_no_winding, _wind_to)  # gives the mesh the length that the cable has at fraction s of the path
+
+
+@kernel
 def _try_step(parts, p, problem, view, state, c, time, span, path, done, h):
     """One internal step from time + done; returns the Newton iterations or a negative status."""
+    winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
     last = state[header.STEP]
     shift = (c.alpha_m - c.alpha_k) * (h - last) if last > 0.0 else 0.0
     for i in range(view.y.shape[0]):
@@ -242,7 +279,7 @@ def _try_step(parts, p, problem, view, state, c, time, span, path, done, h):
     before, _ = _path_at(parts, path, span, done / span)
     after, velocity = _path_at(parts, path, span, (done + h) / span)
     velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, h)
-    return grid.newton_step(parts.box, parts, problem, view, last, c, time + done, h, before, after, velocity)
+    return grid.newton_step(parts.box, parts, problem, view, last, c, time + done, h, before, after, velocity, winding)
 
 
 @kernel
@@ -281,6 +318,15 @@ def _note_worst(x, state):
 
 
 @kernel
+def _winch_refused(winch, path, length):
+    """Whether the path asks for a winch that is not there, or for more cable than there is."""
+    if winch is None:
+        return header.NO_WINCH if winch_turns(path) else header.OK
+    paid_out, _, _ = evaluate(path, 1.0, 1.0, WINCH)
+    return header.OK if length + paid_out > LEAST_LENGTH * length else header.HAULED_IN
+
+
+@kernel
 def _leaves_plane(space, path, state, length):
     if space is not None:
         return False
@@ -296,6 +342,10 @@ def advance(parts, p, time, span, path, state, work):
     """
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
+    refused = _winch_refused(parts.winch, path, problem.cable.length)
+    if refused != header.OK:
+        state[header.ERROR_TIME] = time
+        return refused
     if _leaves_plane(parts.space, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
@@ -347,6 +397,8 @@ def advance(parts, p, time, span, path, state, work):
         h = proposal
         done = span if used == rest else done + used
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
+    _winding(parts.winch, parts, problem, view, state, path, span, 1.0)
+    state[header.PAID_OUT], state[header.WINCH_SPEED], _ = evaluate(path, span, 1.0, WINCH)
     state[header.TIME] = time + span
     for k in range(3):
         position, velocity, acceleration = evaluate(path, span, 1.0, k)
@@ -375,8 +427,9 @@ def outputs(parts, p, state, work, out):
     problem = build(parts, p, 0.0)
     c = coefficients(int(p[23]), p[22])
     top = _top_at(parts, state, 0)
+    winding = _winding_now(parts.winch, problem, state)
     force, t, position, velocity, end, largest, smallest, slack = grid.measure(
-        parts.box, parts, problem, p, view, c, state[header.STEP], top, state[header.TIME]
+        parts.box, parts, problem, p, view, c, state[header.STEP], top, winding, state[header.TIME]
     )
     pulled = 0.0
     for k in range(len(top)):
@@ -389,7 +442,7 @@ def outputs(parts, p, state, work, out):
     out[11] = end
     out[12] = max(largest, pulled)
     out[13] = smallest
-    out[14] = slack / problem.cable.length
+    out[14] = slack
     out[15] = state[header.STEPS]
     out[16] = state[header.NEWTON]
     out[17] = state[header.REJECTED]

@@ -80,10 +80,10 @@ equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
 
 
 @kernel
-def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, time):
+def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     status = staggered_chain.starting_rates(
         parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force,
-        top, velocity, acceleration, time, p[21], view.scratch,
+        top, velocity, acceleration, winding, time, p[21], view.scratch,
     )  # fmt: skip
     n = view.mesh.shape[0] + 1
     for i in range(n - 1):
@@ -94,7 +94,7 @@ def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, 
 
 
 @kernel
-def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, time):
+def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     h = p[21] if p[24] == 0.0 else 0.01 * p[21]
     return box_chain.starting_rates(
         parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
@@ -105,15 +105,15 @@ starting_rates = by_presence(_staggered_rates, _box_rates)
 
 
 @kernel
-def _staggered_step(box, parts, problem, view, last, c, time, h, before, after, velocity):
+def _staggered_step(box, parts, problem, view, last, c, time, h, before, after, velocity, winding):
     return staggered_step.newton_step(
         parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
-        mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, view.y1, view.yd1, view.force, view.scratch,
+        mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, winding, view.y1, view.yd1, view.force, view.scratch,
     )  # fmt: skip
 
 
 @kernel
-def _box_step(box, parts, problem, view, last, c, time, h, before, after, velocity):
+def _box_step(box, parts, problem, view, last, c, time, h, before, after, velocity, winding):
     return box_step.newton_step(
         parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
         before, velocity, view.y1, view.yd1, view.scratch,
@@ -121,6 +121,19 @@ def _box_step(box, parts, problem, view, last, c, time, h, before, after, veloci
 
 
 newton_step = by_presence(_staggered_step, _box_step)
+
+
+@kernel
+def _staggered_length(box, view, factor):
+    staggered_step.change_length(view.mesh, view.y, view.yd, view.ydd, view.y_old, factor)
+
+
+@kernel
+def _box_length(box, view, factor):
+    return
+
+
+change_length = by_presence(_staggered_length, _box_length)  # winches are refused on the box grid
 
 
 @kernel
@@ -178,7 +191,7 @@ cell_vector = by_presence(_staggered_vector, _box_vector)  # (1 + eps) t of a ce
 
 
 @kernel
-def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
+def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time):
     mesh = view.mesh
     n = mesh.shape[0] + 1
     start_contacts(parts.seabed, problem.ground, mesh, view.y, n - 1, last, top, view.scratch.contact)
@@ -190,6 +203,7 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
     largest = 0.0
     smallest = 1e300
     slack = 0.0
+    length = 0.0
     position = top
     for i in range(n - 2, -1, -1):
         t = view.scratch.cells[i, 0]
@@ -197,15 +211,16 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, time):
         smallest = min(smallest, t)
         if t < 1e-3 * total_weight(parts, p):
             slack += mesh[i, 0]
+        length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
-    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, time, view.scratch)
-    force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, time, view.scratch)
+    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
+    force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
     q = load(view.y, n - 2, top)
-    return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack
+    return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack / length
 
 
 @kernel
-def _box_measure(box, parts, problem, p, view, c, last, top, time):
+def _box_measure(box, parts, problem, p, view, c, last, top, winding, time):
     offset = (c.alpha_m - c.alpha_k) * last
     return box_chain.measure(parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p))
 

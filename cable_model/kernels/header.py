@@ -15,10 +15,16 @@ INPUT_STEP = 24  # its size, s; 0 before the first
 ERROR_TIME = 25  # where a failed step began, s
 ERROR_NODE = 26  # node of the largest residual or change then
 ERROR_SIZE = 27  # its size
-HEADER = 32
+PAID_OUT = 30  # cable that the winch has paid out since the start, m
+WINCH_SPEED = 31  # now, m/s; paying out is positive
+WINCH_INPUT = 32  # the input of the last communication step
+MESH_LENGTH = 33  # unstretched length that the mesh now has, m
+HEADER = 40
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step
 NOT_FINITE = 2
 NO_EQUILIBRIUM = 3
 OUT_OF_PLANE = 4
+NO_WINCH = 5  # the winch turned, and there is none
+HAULED_IN = 6  # next to no cable is left

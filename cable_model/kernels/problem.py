@@ -69,6 +69,8 @@ class Parts(NamedTuple):
     waves: object = None  # table, one row a component: amplitude, angular frequency, wave number, direction, phase
     seabed: object = None
     friction: object = None  # along the seabed
+    winch: object = None  # the cable's length changes at the top
+    curve: object = None  # table of the axial law: strain, tension, slope; absent: linear
     cable_mass: object = None  # TowCable only (CBMAS >= 0)
     tension_floor: object = None  # TowCable only (TENS)
     as_printed: object = None  # TowCable only: the report's errors kept

@@ -4,7 +4,7 @@ Per node with the length l of cable that it carries, at height z above the botto
 
     f = -K d l (z + lag w),   N = (f + sqrt(f^2 + w0^2))/2,   friction = -mu N u / sqrt(|u|^2 + u0^2)
 
-K the stiffness in Pa/m, lag = 2 zeta sqrt(m/(K d)) but at least one time step.  f is taken at the new time, not at the averaged one: a
+K the stiffness in Pa/m, lag = 2 zeta sqrt(m/(K d)) but at least one time step (in statics none).  f is taken at the new time, not at the averaged one: a
 node that lands is then at rest after a step, while the average of its velocities would let it ring with lambda_infinity.
 N is an unknown in the barrier form of slack.py; as it belongs to one node it is condensed there.
 """
@@ -30,6 +30,7 @@ class Ground(NamedTuple):
     level: float  # m
     stiffness: float  # K d, N/m2
     lag: float  # damping over stiffness, s
+    least_lag: float  # in time steps
     friction: float
     friction_velocity: float  # u0, m/s
     body_length: float  # of cable that would weigh as much as the body, m: the body sinks in as deep as the cable
@@ -59,7 +60,7 @@ def _start(present, ground, mesh, y0, top_row, h, like, contact):
         speed = y0[n + i, len(like) - 1]
         length = _carried(ground, mesh, i)
         w0 = ground.smoothing * length
-        f = -ground.stiffness * length * (height + max(ground.lag, h) * speed)
+        f = -ground.stiffness * length * (height + max(ground.lag, ground.least_lag * h) * speed)
         root = (f * f + w0 * w0) ** 0.5
         contact[i, FORCE] = 0.5 * (f + root) if f > 0.0 else 0.5 * w0 * w0 / (root - f)
         contact[i, HEIGHT] = height
@@ -92,7 +93,7 @@ def _load(present, friction, ground, gains, mesh, i, position, v, contact):
     length = _carried(ground, mesh, i)
     stiffness = ground.stiffness * length
     w0 = ground.smoothing * length
-    lag = max(ground.lag, gains.step)
+    lag = max(ground.lag, ground.least_lag * gains.step)
     now = 1.0 / gains.v if gains.v > 0.0 else 0.0  # from the average to the new time
     height = contact[i, HEIGHT] + now * (dot(position, up) - ground.level - contact[i, HEIGHT])
     speed = contact[i, SPEED] + now * (dot(v, up) - contact[i, SPEED])

@@ -9,6 +9,28 @@ from cable_model.kernels.jit import kernel
 
 
 @kernel
+def elastic(curve, stiffness, strain):
+    """Tension of the elastic law, and its slope: linear, or cubic between the rows of a table and straight on beyond them."""
+    if curve is None:
+        return stiffness * strain, stiffness
+    last = curve.shape[0] - 1
+    if strain <= curve[0, 0]:
+        return curve[0, 1] + curve[0, 2] * (strain - curve[0, 0]), curve[0, 2]
+    if strain >= curve[last, 0]:
+        return curve[last, 1] + curve[last, 2] * (strain - curve[last, 0]), curve[last, 2]
+    i = 1
+    while curve[i, 0] < strain:
+        i += 1
+    width = curve[i, 0] - curve[i - 1, 0]
+    s = (strain - curve[i - 1, 0]) / width
+    rise = curve[i, 1] - curve[i - 1, 1]
+    c1 = curve[i - 1, 2] * width
+    c2 = 3.0 * rise - 2.0 * c1 - curve[i, 2] * width
+    c3 = c1 + curve[i, 2] * width - 2.0 * rise
+    return curve[i - 1, 1] + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
+
+
+@kernel
 def constitutive(slack, smoothing, f, force):
     """Slope dT/df at the iterate `force`, and the misfit of the law there."""
     if slack is None:

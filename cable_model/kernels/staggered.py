@@ -16,7 +16,7 @@ from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
-from cable_model.kernels.slack import constitutive, iterate, shortfall
+from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -81,6 +81,31 @@ def _element_water(water, parts, medium, cable, h, split, q, position, speed, lo
 
 
 @kernel
+def wound(winch, gains, mass, h, split, middle, q, dv):
+    """What cable that moves past the nodes adds to a cell: a winch pays out at the top, and node i keeps its share s/L of the length.
+
+    Cable at a node then moves at v - a q, with a = s L'/L, where v is the node's velocity.  Its acceleration is the node's, less
+    2 a v_s + (s L''/L) q, plus the derivative of a^2 q along the cable: the last acts as a force m a^2 q against the tension.
+    `middle` is s of the cell.  Returns that force per q, the shares of the lower and the upper node, and their derivatives by q
+    (times gains.q/h), which stand for those by the velocities.
+    """
+    if winch is None:
+        return 0.0, zero(q), zero(q), 0.0, 0.0
+    slide = middle * gains.winding.rate
+    load = mix(-2.0 * slide * mass * h, dv, -middle * gains.winding.change * mass * h, q)
+    rate = -mass * (2.0 * slide * gains.v + middle * gains.winding.change * gains.q)
+    return mass * slide * slide, scale(split, load), scale(1.0 - split, load), split * rate, (1.0 - split) * rate
+
+
+@kernel
+def _slide(winch, gains, s, q, v):
+    """Velocity of the cable at a node, or of a cell's middle, that itself moves at v."""
+    if winch is None:
+        return v
+    return axpy(-s * gains.winding.rate, q, v)
+
+
+@kernel
 def _turned(normal, x, t):
     """-l d(N x)/dq at fixed x: N (t.x) + t (N x)."""
     return add_matrix(scale_matrix(dot(t, x), normal), outer(t, apply(normal, x)))
@@ -102,6 +127,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     n = v.shape[0]
     position = top
     like = top
+    arc = gains.winding.length
     v_up = load(v, n - 1, like)
     a_up = load(a, n - 1, like)
     carry_r = zero(like)
@@ -119,32 +145,37 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         t = scale(inv, qi)
         t_new = load_from(cells, i, 3, like)
         dv = scale(1.0 / h, sub(v_up, v_low))
-        rate = dot(dv, t)
+        rate = dot(dv, t) - _lengthening(parts.winch, gains, stretch)
+        arc -= h
         damping = numeric.voigt + numeric.damping * h
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
-        f = cable.stiffness * strain + damping * rate
+        f, stiffness = elastic(parts.curve, cable.stiffness, strain)
+        f += damping * rate
         force = iterate(parts.slack, numeric.smoothing, f, cells[i, 0])
         cells[i, 0] = force
         slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)
-        along = mix(slope * gains.q * cable.stiffness / h, t_new, slope * gains.v * damping / h, t)
+        along = mix(slope * gains.q * stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
-        pull = scale(force, t)
+        thrown, low_wound, up_wound, low_rate, up_rate = wound(
+            parts.winch, gains, cable.mass, h, split, arc + split * h, qi, dv
+        )
+        pull = axpy(-thrown, qi, scale(force, t))
         firm = force * inv * gains.q / h
-        k = add_matrix(diagonal(firm, like), scale_matrix(-firm, outer(t, t_new)))
+        k = add_matrix(diagonal(firm - thrown * gains.q / h, like), scale_matrix(-firm, outer(t, t_new)))
         low = mix(split - SHARE, a_low, SHARE, a_up)
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
-        speed = mix(0.5, v_low, 0.5, v_up)
+        speed = _slide(parts.winch, gains, arc + split * h, qi, mix(0.5, v_low, 0.5, v_up))
         low_w, up_w, low_q, up_q, low_v, up_v, inertia = _element_water(
             parts.water, parts, medium, cable, h, split, qi, middle, speed, low, up, time, gains
         )
         down = upward(-cable.weight * h, like)
-        low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(low_w, pull)))
-        up_r = axpy(h, apply(inertia, up), axpy(split - 1.0, down, add(up_w, pull)))
+        low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(add(low_w, low_wound), pull)))
+        up_r = axpy(h, apply(inertia, up), axpy(split - 1.0, down, add(add(up_w, up_wound), pull)))
         # row i+1 is complete now
         m = scale_matrix(h * gains.a, inertia)
         near = scale_matrix(SHARE, m)
-        kq_low = add_matrix(scale_matrix(-1.0, k), scale_matrix(gains.q / h, low_q))
-        kq_up = add_matrix(k, scale_matrix(gains.q / h, up_q))
+        kq_low = add_matrix(diagonal(low_rate, like), add_matrix(scale_matrix(-1.0, k), scale_matrix(gains.q / h, low_q)))
+        kq_up = add_matrix(diagonal(up_rate, like), add_matrix(k, scale_matrix(gains.q / h, up_q)))
         store_matrix(bands, 1, i + 1, add_matrix(near, add_matrix(scale_matrix(-1.0, kq_up), up_v)))
         own = add_matrix(scale_matrix(1.0 - split - SHARE, m), add_matrix(kq_up, up_v))
         store_matrix(bands, 2, i + 1, add_matrix(carry_d, own))
@@ -152,7 +183,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
         carry_r = low_r
-        carry_r, carry_d = add_seabed(parts.seabed, parts, ground, gains, mesh, i, position, v_low, contact, carry_r, carry_d)
+        carry_r, carry_d = add_seabed(parts.seabed, parts, ground, gains, mesh, i, position, v_low, qi, arc, contact, carry_r, carry_d)
         cells[i, 1] = gains.law * slope * misfit
         store_from(cells, i, 3, t)
         store_from(cells, i, 3 + len(like), along)
@@ -164,14 +195,32 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
     store(x, lowest, scale(-1.0, add(carry_r, end_r)))
     x[lowest, 0] += numeric.pull
+    _add_outflow(parts.winch, gains, cable, load(q, n - 2, like), x, n - 1)
     _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, like)
 
 
 @kernel
-def add_seabed(present, parts, ground, gains, mesh, i, position, v, contact, residual, jacobian):
+def _lengthening(winch, gains, stretch):
+    """Rate at which a cell's nodes move apart without stretching it."""
+    if winch is None:
+        return 0.0
+    return gains.winding.rate * stretch
+
+
+@kernel
+def _add_outflow(winch, gains, cable, q, x, top):
+    """Momentum that the cable carries in at the top, into minus the residual."""
+    if winch is None:
+        return
+    slide = gains.winding.length * gains.winding.rate
+    store(x, top, axpy(-cable.mass * slide * slide, q, load(x, top, q)))
+
+
+@kernel
+def add_seabed(present, parts, ground, gains, mesh, i, position, v, q, arc, contact, residual, jacobian):
     if present is None:
         return residual, jacobian
-    load, by_velocity = node_load(present, parts.friction, ground, gains, mesh, i, position, v, contact)
+    load, by_velocity = node_load(present, parts.friction, ground, gains, mesh, i, position, _slide(parts.winch, gains, arc, q, v), contact)
     return add(residual, load), add_matrix(jacobian, by_velocity)
 
 

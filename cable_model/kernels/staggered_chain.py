@@ -8,7 +8,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
 from cable_model.kernels.staggered import add_seabed, assemble, lower_end_terms
-from cable_model.kernels.staggered_step import Gains, Numeric, Problem, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Gains, Numeric, Problem, Winding, keep_tensions, newton_step
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
@@ -85,6 +85,12 @@ def _bend_guess(anchor, mesh, y, top):
 
 
 @kernel
+def unwound(problem):
+    """The winding of a cable whose length does not change."""
+    return Winding(problem.cable.length, 0.0, 0.0)
+
+
+@kernel
 def _with_tolerance(problem, tolerance):
     """The same problem with another Newton tolerance, m/s."""
     old = problem.numeric
@@ -109,7 +115,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
         to_place = _with_tolerance(problem, 1e-10 * problem.cable.length / step)  # positions to 1e-10 of the length
-        status = newton_step(parts, to_place, mesh, y, yd, y, 0.0, backward, time, step, top, still, y1, yd1, force, s)
+        status = newton_step(parts, to_place, mesh, y, yd, y, 0.0, backward, time, step, top, still, unwound(problem), y1, yd1, force, s)
         if status < 0:
             step *= 0.2
             if step < 1e-9 * period:
@@ -125,7 +131,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
 
 
 @kernel
-def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, acceleration, time, h, s):
+def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, acceleration, winding, time, h, s):
     """Rates of change at the start, as the limit of a backward-difference step much shorter than h.
 
     The cable is in place and at rest but for its top, which already has its prescribed velocity.
@@ -135,7 +141,7 @@ def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, a
     short = 1e-6 * h
     backward = Coefficients(0.0, 0.0, 1.0)
     ahead = axpy(short, acceleration, velocity)
-    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, short, top, ahead, y1, yd1, force, s)
+    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, short, top, ahead, winding, y1, yd1, force, s)
     if status < 0:
         return header.NOT_FINITE
     keep_tensions(force, s)
@@ -160,26 +166,26 @@ def tensions_now(slack, problem, y, force, force_old, ahead, top, cells):
 
 
 @kernel
-def top_force(parts, problem, mesh, y, acceleration, top, time, s):
+def top_force(parts, problem, mesh, y, acceleration, top, winding, time, s):
     """Force of the cable on its attachment; `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions."""
     n = mesh.shape[0] + 1
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     lowest = max(n - 3, 0)
     assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
     return load(s.x, n - 1, top)
 
 
 @kernel
-def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, time, s):
+def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, winding, time, s):
     """Tension that reaches the lower end: what the body needs, or without one the first cell's less its lower share of weight."""
     n = mesh.shape[0] + 1
     q = load(y, 0, position)
     t = scale(1.0 / norm(q), q)
     if present is None:
         return s.cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
     needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
-    needed, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, s.contact, needed, needed_by)
+    needed, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, q, 0.0, s.contact, needed, needed_by)
     return dot(needed, t)

@@ -42,6 +42,14 @@ class Problem(NamedTuple):
     ground: object  # the seabed
 
 
+class Winding(NamedTuple):
+    """How the cable's length changes at the averaged time."""
+
+    length: float  # m
+    rate: float  # of the length over the length, 1/s
+    change: float  # second derivative of the length over the length, 1/s2
+
+
 class Gains(NamedTuple):
     """Derivatives of the quantities at the averaged time by the velocity at the new time."""
 
@@ -51,6 +59,7 @@ class Gains(NamedTuple):
     r: float
     law: float  # 1: tensions and contact forces are drawn to their laws; 0: they are taken as they are
     step: float  # s
+    winding: object
 
 
 class Scratch(NamedTuple):
@@ -89,7 +98,7 @@ def cut_scratch(work, n, like):
 
 
 @kernel
-def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, top_velocity, y1, yd1, force, s):
+def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, top_velocity, winding, y1, yd1, force, s):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
     `yd0` is already corrected for a changed step; `y_old`, the state h_old before y0, predicts (h_old = 0: none).  `time` and
@@ -104,7 +113,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
     moved = to_position * (1.0 - c.alpha_k)
-    gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, moved, 1.0, h)
+    gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, moved, 1.0, h, winding)
     reach = h / h_old if h_old > 0.0 else 0.0
     for i in range(n - 1):
         store(y1, n + i, mix(1.0 + reach, load(y0, n + i, like), -reach, load(y_old, n + i, like)))
@@ -226,6 +235,21 @@ def _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, lik
         rate = mix(rate_new, drift, -rate_old, load(yd0, i, like))
         store(yd1, i, rate)
         store(y1, i, axpy(h, mix(1.0 - c.gamma, load(yd0, i, like), c.gamma, rate), load(y0, i, like)))
+
+
+@kernel
+def change_length(mesh, y, yd, ydd, y_old, factor):
+    """Give the mesh `factor` times its length; positions stay where they are.
+
+    The nodes keep their shares of the length and cable moves past them: see `wound` in staggered.py.
+    """
+    for i in range(mesh.shape[0]):
+        mesh[i, 0] *= factor
+        for k in range(y.shape[1]):
+            y[i, k] /= factor
+            yd[i, k] /= factor
+            ydd[i, k] /= factor
+            y_old[i, k] /= factor
 
 
 @kernel

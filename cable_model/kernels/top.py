@@ -1,13 +1,15 @@
 """The prescribed path of the top within one communication step: a quintic polynomial per axis, continuous to the acceleration.
 
-`path` is (6, 3): coefficients of s^0 ... s^5 with s = (t - t_start)/H.
+`path` is (6, 4): coefficients of s^0 ... s^5 with s = (t - t_start)/H, in x, y, z; the last column is the length of cable that
+the winch has paid out, a parabola: its speed changes linearly.
 """
 
 import math
 
-from cable_model.kernels.header import INPUT, INPUT_STEP, TOP
+from cable_model.kernels.header import INPUT, INPUT_STEP, PAID_OUT, TOP, WINCH_INPUT, WINCH_SPEED
 from cable_model.kernels.jit import kernel
 
+WINCH = 3  # column of the path
 INPUT_STEP_2 = 28  # in the header's spare places: sizes of the steps before the last one, s; 0 where there was none
 INPUT_STEP_3 = 29
 
@@ -28,6 +30,22 @@ def quintic(start, end, h, path):
         path[3, k] = 10.0 * gap - 4.0 * gap_v + 0.5 * gap_a
         path[4, k] = -15.0 * gap + 7.0 * gap_v - gap_a
         path[5, k] = 6.0 * gap - 3.0 * gap_v + 0.5 * gap_a
+
+
+@kernel
+def wind(paid_out, speed, end_speed, h, path):
+    """The winch's column of the path, from its speeds at both ends of a step of h."""
+    path[0, WINCH] = paid_out
+    path[1, WINCH] = speed * h
+    path[2, WINCH] = 0.5 * (end_speed - speed) * h
+    path[3, WINCH] = 0.0
+    path[4, WINCH] = 0.0
+    path[5, WINCH] = 0.0
+
+
+@kernel
+def winch_turns(path):
+    return path[1, WINCH] != 0.0 or path[2, WINCH] != 0.0
 
 
 @kernel
@@ -131,6 +149,20 @@ def predict(order, state, inputs, h, end):
 
 
 @kernel
+def follow_inputs(order, state, inputs, h, end, path):
+    """The path over a step of h that inputs (10,) at its start ask for; `end` (9,) is scratch.
+
+    The winch's speed goes on to where the line through its last two inputs leads.
+    """
+    predict(order, state, inputs, h, end)
+    quintic(state[TOP : TOP + 9], end, h, path)
+    ahead = 0.0
+    if state[INPUT_STEP] > 0.0:
+        ahead = (inputs[9] - state[WINCH_INPUT]) * h / state[INPUT_STEP]
+    wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, h, path)
+
+
+@kernel
 def remember(order, state, inputs, h):
     """Keep what `predict` needs of these inputs for the next steps: the highest that is given, now and at the two steps before."""
     for k in range(3):
@@ -140,6 +172,7 @@ def remember(order, state, inputs, h):
     state[INPUT_STEP_3] = state[INPUT_STEP_2]
     state[INPUT_STEP_2] = state[INPUT_STEP]
     state[INPUT_STEP] = h
+    state[WINCH_INPUT] = inputs[9]
 
 
 @kernel
@@ -154,6 +187,9 @@ def start_top(order, state, inputs):
     if order < 1:
         for k in range(3):
             state[TOP + 3 + k] = 0.0
+    state[PAID_OUT] = 0.0
+    state[WINCH_SPEED] = inputs[9]
+    state[WINCH_INPUT] = inputs[9]
     state[INPUT_STEP] = 0.0
     state[INPUT_STEP_2] = 0.0
     state[INPUT_STEP_3] = 0.0

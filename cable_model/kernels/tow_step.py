@@ -12,6 +12,7 @@ from cable_model.kernels.header import (
     NEXT_STEP,
     NOT_FINITE,
     OK,
+    NO_WINCH,
     OUT_OF_PLANE,
     REJECTED,
     STEP,
@@ -22,7 +23,7 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import PARAMETERS
-from cable_model.kernels.top import evaluate, leaves_plane
+from cable_model.kernels.top import evaluate, leaves_plane, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
@@ -137,6 +138,8 @@ def check_path(path, h, c, state):
         total += abs(path[i, 0]) + abs(path[i, 1]) + abs(path[i, 2])
     if not total < 1e12:
         return NOT_FINITE
+    if winch_turns(path):
+        return NO_WINCH
     if leaves_plane(path, state[PLANE], c.reference_length):
         return OUT_OF_PLANE
     return OK

@@ -20,7 +20,7 @@ ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 TABLES = ("current", "waves")
 SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
 TOO_FAST = -1  # status of an entry, beside those of the kernels
-PATH, END, WORK = 0, 18, 27  # places in an entry's work array: path, end of the path, the kernels' own
+PATH, END, WORK = 0, 24, 33  # places in an entry's work array: path, end of the path, the kernels' own
 ENVIRONMENT = {
     "NUMBA_CPU_NAME": "x86-64",
     "NUMBA_CPU_FEATURES": "",
@@ -74,7 +74,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     parts_now = _parts(variant)
     advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
     state_size, work_size = kernels.state_size, kernels.work_size
-    first_top, ok = header.TOP, header.OK
+    ok = header.OK
     n_inputs, n_numbers, n_parts, n_outputs = len(INPUTS), len(PARAMETERS), len(Parts._fields), len(OUTPUTS)
 
     def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
@@ -92,10 +92,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             top.start_top(order, state, inputs)
             status = initialize(parts, numbers, time, state, work[WORK:])
         else:
-            path = work[PATH:END].reshape((6, 3))
+            path = work[PATH:END].reshape((6, 4))
             end = work[END:WORK]
-            top.predict(order, state, inputs, step, end)
-            top.quintic(state[first_top : first_top + 9], end, step, path)
+            top.follow_inputs(order, state, inputs, step, end, path)
             outputs[0] = top.mean_speed(path, step)
             if outputs[0] > FASTEST_TOP:
                 return TOO_FAST

@@ -70,7 +70,7 @@ def _bare(kind: type[Model]) -> Model:
     """A model without a scene, to ask it for the texts of its errors."""
     model = kind.__new__(kind)
     model.state = np.zeros(header.HEADER)
-    model._path = np.zeros((6, 3))
+    model._path = np.zeros((6, 4))
     return model
 
 
@@ -79,7 +79,7 @@ def _failures(model: Model) -> tuple[list[str], str]:
     marks = {"77.25": ("%.6g", "time"), "8181": ("%.0f", "node"), "0.625": ("%.3g", "size")}
     model.state[[header.ERROR_TIME, header.ERROR_NODE, header.ERROR_SIZE]] = [float(mark) for mark in marks]
     formats, orders = ['""'], set()
-    for status in range(1, header.OUT_OF_PLANE + 1):
+    for status in range(1, header.HAULED_IN + 1):
         try:
             model._must(status, 0.0)
         except SolverError as error:
@@ -136,7 +136,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
         "ABSENT": export.ABSENT, "PRESENT": export.PRESENT, "EITHER": export.EITHER, "ALWAYS": export.ALWAYS,
         "SIZES": export.SIZES, "START": export.START, "STEP": export.STEP,
-        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.OUT_OF_PLANE, "TOO_FAST": f"({export.TOO_FAST})",
+        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({export.TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
         "FAILURE_ARGUMENTS": arguments,
         "TOO_FAST_TEXT": _text(_too_fast(bare)), "STEP_TEXT": _text(rules.step_text),
