@@ -60,8 +60,11 @@ class Model:
         inputs = self._finite(inputs)
         self.state[:] = 0.0
         top.start_top(self.motion_order, self.state, inputs)
-        self._must(self.kernels.initialize(self.parts, self.numbers, time, self.state, self._work), time)
+        self._must(self._start(time), time)
         self._read_outputs(time)
+
+    def _start(self, time: float) -> int:
+        return self.kernels.initialize(self.parts, self.numbers, time, self.state, self._work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
         """One communication step from `time`, with inputs (10,) held as FMI holds them: their values at the start of the step.

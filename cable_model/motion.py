@@ -14,11 +14,13 @@ from cable_model.parameters import Motion, Top, Winch
 TopMotion = Callable[..., np.ndarray]  # (time, side=+1) -> (10,): position, velocity, acceleration, winch speed
 
 
-def fade_in(t: float, ramp_time: float) -> tuple[float, float, float]:
-    """Smooth step from 0 to 1 over ramp_time and its two derivatives; three derivatives vanish at both ends."""
+def fade_in(t: float, ramp_time: float, ramp: str = "septic") -> tuple[float, float, float]:
+    """Smooth step from 0 to 1 over ramp_time and its two derivatives; three (cubic: one) derivatives vanish at both ends."""
     if t >= ramp_time:
         return 1.0, 0.0, 0.0
     s = t / ramp_time
+    if ramp == "cubic":
+        return s * s * (3.0 - 2.0 * s), 6.0 * (s - s * s) / ramp_time, (6.0 - 12.0 * s) / ramp_time**2
     value = s**4 * (35.0 - 84.0 * s + 70.0 * s**2 - 20.0 * s**3)
     rate = 140.0 * s**3 * (1.0 - s) ** 3 / ramp_time
     return value, rate, 420.0 * s**2 * (1.0 - s) ** 2 * (1.0 - 2.0 * s) / ramp_time**2
@@ -29,7 +31,7 @@ def _sinusoid(part: Motion, t: float) -> tuple[float, float, float]:
     x = part.amplitude * math.sin(omega * t + part.phase)
     v = part.amplitude * omega * math.cos(omega * t + part.phase)
     a = -omega * omega * x
-    r, r1, r2 = fade_in(t, part.ramp_time)
+    r, r1, r2 = fade_in(t, part.ramp_time, part.ramp)
     return r * x, r1 * x + r * v, r2 * x + 2.0 * r1 * v + r * a
 
 

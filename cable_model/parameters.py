@@ -41,6 +41,7 @@ class LowerEnd:
     y: float = quantity("m", "position of the anchor, y", default=0.0)
     z: float = quantity("m", "position of the anchor, z", default=0.0)
     release_force: float = quantity("N", "force along x that holds the lower end aside until the start", default=0.0)
+    released: bool = quantity("", "whether an anchored lower end is let go at the start", default=False)
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,8 @@ class Motion:
     phase: float = quantity("rad", "phase: amplitude sin(angular_frequency t + phase)", default=0.0)
     start: float = quantity("s", "time at which the motion begins", default=0.0, least=0.0)
     stop: float = quantity("s", "time at which the motion ends (0 = never)", default=0.0, least=0.0)
-    ramp_time: float = quantity("s", "time over which it fades in smoothly", default=0.0, least=0.0)
+    ramp_time: float = quantity("s", "time over which it fades in", default=0.0, least=0.0)
+    ramp: str = quantity("", "how it fades in: three continuous derivatives, or one", default="septic", choices=("septic", "cubic"))
     velocity: float = quantity("m/s", "change of velocity of a ramp or step", default=0.0)
     duration: float = quantity("s", "time in which a ramp changes the velocity", default=0.0, least=0.0)
 

@@ -55,10 +55,14 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("waves.amplitude", scene.waves.amplitude, "m", "0 without water", "Add [water] or remove [waves].")
     if wet and scene.cable.diameter == 0.0:
         raise refuse("cable.diameter", 0.0, "m", "> 0 in water", "Give the diameter, or remove [water].")
-    if scene.lower_end.anchored and scene.body.mass > 0.0:
+    if scene.lower_end.anchored and not scene.lower_end.released and scene.body.mass > 0.0:
         raise refuse("body.mass", scene.body.mass, "kg", "0 at an anchored end", "Remove [body] or lower_end.anchored.")
     if scene.seabed.stiffness > 0.0:
         _check_seabed(scene)
+    if scene.lower_end.released and not scene.lower_end.anchored:
+        raise refuse("lower_end.released", True, "", "false without an anchor", "Set lower_end.anchored = true and its x, y, z.")
+    if scene.lower_end.released and scene.solver.grid == "box":
+        raise refuse("lower_end.released", True, "", "false on the box grid", 'Set solver.grid = "staggered".')
     if scene.winch.fitted and scene.solver.grid == "box":
         raise refuse("winch.fitted", True, "", "false on the box grid", 'Set solver.grid = "staggered".')
     if scene.winch.speeds:
@@ -118,9 +122,9 @@ def from_dict(values: Mapping[str, Any]) -> Scene:
 
 
 def shipped() -> dict[str, Path]:
-    """Names and files of the scenes that come with the package."""
-    folder = resources.files("cable_model") / "scenes"
-    return {Path(str(f)).stem: Path(str(f)) for f in sorted(folder.iterdir(), key=str) if str(f).endswith(".toml")}
+    """Names and files of the scenes that come with the package; the hard cases' begin with "hard/"."""
+    folder = Path(str(resources.files("cable_model"))) / "scenes"
+    return {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
 
 
 def load(scene: str | Path) -> Scene:
@@ -203,7 +207,7 @@ def parts_of(scene: Scene, model: str) -> Parts:
         bending=when(chain and scene.cable.bending_stiffness > 0.0),
         voigt=when(scene.cable.axial_damping > 0.0),
         body=when(scene.body.mass > 0.0),
-        anchor=when(scene.lower_end.anchored),
+        anchor=when(scene.lower_end.anchored and not (chain and scene.lower_end.released)),
         water=when(wet),
         current=_current_table(scene.current) if wet else None,
         waves=_wave_table(scene.waves, scene.environment.gravity) if wet else None,

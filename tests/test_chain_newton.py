@@ -91,7 +91,7 @@ class Step:
 
 
 GROUND = {
-    "cable__diameter": 0.01, "seabed__level": -1.9, "seabed__stiffness": 1e4, "seabed__friction_coefficient": 0.4,
+    "cable__diameter": 0.01, "lower_end__anchored": True, "lower_end__x": 0.9, "lower_end__z": -1.9, "seabed__level": -1.9, "seabed__stiffness": 1e4, "seabed__friction_coefficient": 0.4,
     "seabed__friction_velocity": 0.2,
 }  # fmt: skip
 SCENES = {

@@ -70,14 +70,14 @@ def test_dragging_a_lying_cable_takes_its_weight_times_the_friction():
         """0.25 m/s away from the cable, reached within 2 s."""
         s = min(t / 2.0, 1.0)
         state = start.copy()
-        state[0] = 0.5 * (s**3 - 0.5 * s**4) + 0.25 * max(t - 2.0, 0.0)
-        state[3] = 0.25 * (3.0 * s**2 - 2.0 * s**3)
-        state[6] = 0.75 * (s - s**2)
+        state[0] = -0.5 * (s**3 - 0.5 * s**4) - 0.25 * max(t - 2.0, 0.0)
+        state[3] = -0.25 * (3.0 * s**2 - 2.0 * s**3)
+        state[6] = -0.75 * (s - s**2)
         return state
 
     series = drive(model, every(0.02, 12.0), pull)
     carried = 2.0 * 10.0 * 10.0 * (1.0 - 0.5 / 20.0)  # half a cell belongs to the top node, which is prescribed
-    assert series["top.force_x"][-100:] == pytest.approx(np.full(100, -0.4 * carried), rel=2e-3)
+    assert series["top.force_x"][-100:] == pytest.approx(np.full(100, 0.4 * carried), rel=2e-3)
 
 
 def test_without_friction_dragging_costs_nothing():

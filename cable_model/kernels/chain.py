@@ -179,14 +179,28 @@ def _top_at(parts, state, offset):
 @kernel
 def initialize(parts, p, time, state, work):
     """Static equilibrium under the top of the header; the top alone moves already."""
+    status = settle(parts, p, time, state, work)
+    if status != header.OK:
+        return status
+    return set_off(parts, p, time, state, work)
+
+
+@kernel
+def settle(parts, p, time, state, work):
+    """Static equilibrium under the top of the header."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[16], 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[20], view.mesh)
     top = _top_at(parts, state, 0)
-    status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
-    if status != header.OK:
-        return status
+    return grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
+
+
+@kernel
+def set_off(parts, p, time, state, work):
+    """Rates of change of a cable in place and at rest, whose top alone moves already; no steps yet."""
+    view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
+    top = _top_at(parts, state, 0)
     state[header.MESH_LENGTH] = problem.cable.length
     winding = _winding_now(parts.winch, problem, state)
     status = grid.starting_rates(
@@ -244,7 +258,7 @@ def _fixed_length(winch, problem, state):
 @kernel
 def _wound_length(winch, problem, state):
     length = problem.cable.length + state[header.PAID_OUT]
-    return Winding(length, state[header.WINCH_SPEED] / length, 0.0)
+    return Winding(length, state[header.WINCH_SPEED] / length, state[header.WINCH_ACCELERATION] / length)
 
 
 _winding_now = by_presence(_fixed_length, _wound_length)
@@ -398,7 +412,10 @@ def advance(parts, p, time, span, path, state, work):
         done = span if used == rest else done + used
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
     _winding(parts.winch, parts, problem, view, state, path, span, 1.0)
-    state[header.PAID_OUT], state[header.WINCH_SPEED], _ = evaluate(path, span, 1.0, WINCH)
+    paid_out, speed, acceleration = evaluate(path, span, 1.0, WINCH)
+    state[header.PAID_OUT] = paid_out
+    state[header.WINCH_SPEED] = speed
+    state[header.WINCH_ACCELERATION] = acceleration
     state[header.TIME] = time + span
     for k in range(3):
         position, velocity, acceleration = evaluate(path, span, 1.0, k)

@@ -19,6 +19,7 @@ PAID_OUT = 30  # cable that the winch has paid out since the start, m
 WINCH_SPEED = 31  # now, m/s; paying out is positive
 WINCH_INPUT = 32  # the input of the last communication step
 MESH_LENGTH = 33  # unstretched length that the mesh now has, m
+WINCH_ACCELERATION = 34
 HEADER = 40
 
 OK = 0

@@ -154,6 +154,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         force = iterate(parts.slack, numeric.smoothing, f, cells[i, 0])
         cells[i, 0] = force
         slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)
+        stiffness -= damping * _lengthening(parts.winch, gains, 1.0)
         along = mix(slope * gains.q * stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
         thrown, low_wound, up_wound, low_rate, up_rate = wound(

@@ -6,7 +6,7 @@ the winch has paid out, a parabola: its speed changes linearly.
 
 import math
 
-from cable_model.kernels.header import INPUT, INPUT_STEP, PAID_OUT, TOP, WINCH_INPUT, WINCH_SPEED
+from cable_model.kernels.header import INPUT, INPUT_STEP, PAID_OUT, TOP, WINCH_ACCELERATION, WINCH_INPUT, WINCH_SPEED
 from cable_model.kernels.jit import kernel
 
 WINCH = 3  # column of the path
@@ -189,6 +189,7 @@ def start_top(order, state, inputs):
             state[TOP + 3 + k] = 0.0
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
+    state[WINCH_ACCELERATION] = 0.0
     state[WINCH_INPUT] = inputs[9]
     state[INPUT_STEP] = 0.0
     state[INPUT_STEP_2] = 0.0

@@ -1,0 +1,114 @@
+"""The list of hard cases: which scenes, in which variants, how each is judged; it runs nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Changes = Mapping[str, object]
+NEVER = math.inf
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One run of a case: values that differ from its scene's; judged by the rules, or reported only."""
+
+    label: str
+    changes: Changes = field(default_factory=dict)
+    judged: bool = True
+    refined: bool = True  # compared with finer runs
+
+
+@dataclass(frozen=True)
+class Case:
+    """A hard case: variants of one scene, the time its motion becomes chaotic, and how far a finer run may be before (over L)."""
+
+    key: str
+    scene: str
+    variants: tuple[Variant, ...]
+    chaos: float = NEVER  # s
+    tolerance: float = 0.01
+    statistics: bool = True  # compare rms and mean after chaos
+
+
+def grid_of(nodes: int, step: float, lam: float, stiffness: float) -> Variant:
+    label = f"n {nodes}, dt {step:g}, lambda {lam:g}, EA/W {stiffness:.0e}"
+    changes = {"solver.nodes": nodes, "solver.time_step": step, "solver.lambda_infinity": lam, "cable.axial_stiffness": stiffness * CHAIN}
+    return Variant(label, changes)
+
+
+CHAIN = 0.1 * 9.81 * 1.75  # N, weight of the 1.75 m chain
+MEMBERS = (
+    ("box method (lambda -1)", {"solver.lambda_infinity": -1.0}),
+    ("lambda -0.9", {"solver.lambda_infinity": -0.9}),
+    ("lambda -0.7", {"solver.lambda_infinity": -0.7}),
+    ("lambda 0", {"solver.lambda_infinity": 0.0}),
+    ("trapezoidal", {"solver.integrator": "trapezoidal"}),
+    ("backward difference", {"solver.integrator": "backward-difference"}),
+    ("generalized trapezoidal, lambda -0.5", {"solver.integrator": "generalized-trapezoidal"}),
+    ("Cornwell-Malkus, lambda -0.5", {"solver.integrator": "cornwell-malkus"}),
+    ("WBZ, lambda -0.5", {"solver.integrator": "wbz"}),
+)
+FAMILY = tuple(Variant(label, changes, judged=False, refined=False) for label, changes in MEMBERS)
+BOX = (
+    Variant("box grid", {"solver.grid": "box"}, judged=False, refined=False),
+    Variant("box grid, box method", {"solver.grid": "box", "solver.lambda_infinity": -1.0}, judged=False, refined=False),
+    Variant("box grid, lambda 0", {"solver.grid": "box", "solver.lambda_infinity": 0.0}, judged=False, refined=False),
+)
+COLLAPSE = tuple(
+    grid_of(nodes, step, lam, stiffness) for stiffness in (1e4, 1e9) for nodes in (100, 200) for step in (0.01, 0.001) for lam in (-0.5, -0.7)
+)
+FIRST_MODE = 2.8469  # rad/s
+WHIRLS = tuple(
+    Variant(
+        f"{factor:g} of the first mode",
+        {"top.motion": [
+            {"kind": "sinusoid", "axis": "x", "amplitude": 0.05, "angular_frequency": factor * FIRST_MODE, "ramp_time": 1.0, "ramp": "cubic"},
+            {"kind": "sinusoid", "axis": "y", "amplitude": 5e-5, "angular_frequency": math.pi, "stop": 1.0},
+        ]},
+    )
+    for factor in (0.95, 1.0, 1.05)
+)  # fmt: skip
+PEERS_WHIRL = Variant(
+    "0.02 m at 6.5 rad/s, y 1e-4 m in quadrature",
+    {"top.motion": [
+        {"kind": "sinusoid", "axis": "x", "amplitude": 0.02, "angular_frequency": 6.5, "ramp_time": 1.0},
+        {"kind": "sinusoid", "axis": "y", "amplitude": 1e-4, "angular_frequency": 6.5, "phase": 0.5 * math.pi, "ramp_time": 1.0},
+    ]},
+    judged=True,
+)  # fmt: skip
+STIFFNESSES = tuple(
+    Variant(f"EA/W {10.0**k:.0e}", {"cable.axial_stiffness": 10.0**k * CHAIN}) for k in (2, 4, 6, 8, 10, 12)
+)
+INEXTENSIBLE = Variant(
+    "inextensible, box grid, n 201", {"solver.grid": "box", "cable.inextensible": True, "solver.nodes": 201}, judged=False, refined=False
+)
+BODIES = tuple(
+    Variant(f"body/cable {10.0**k:.0e}", {"body.mass": 0.175 * 10.0**k, "cable.axial_stiffness": 1e4 * CHAIN * (1.0 + 10.0**k)})
+    for k in (-6, -4, -2, 0, 2, 4, 6)
+)
+GRIDS = tuple(
+    Variant(f"n {nodes}", {"solver.nodes": nodes, "run.duration": 2.0 if nodes > 100 else 10.0}, refined=nodes == 10)
+    for nodes in (3, 5, 10, 1000, 3000)
+)
+SNAPS = tuple(
+    Variant(f"n {nodes}, dt {step:g}", {"solver.nodes": nodes, "solver.time_step": step}, refined=nodes == 51 and step == 0.01)
+    for nodes, step in ((26, 0.02), (51, 0.01), (101, 0.005), (201, 0.0025))
+)
+
+CASES = (
+    Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0),
+    Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=2.0),
+    Case("H2 step", "hard/velocity_step", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=False),
+    Case("H3", "hard/whirl", (*WHIRLS, PEERS_WHIRL, *FAMILY), chaos=10.0),
+    Case("H4", "hard/folded_fall", (Variant("lambda -0.5"), Variant("lambda -0.9", {"solver.lambda_infinity": -0.9})), chaos=0.40, statistics=False),
+    Case("H5", "hard/snap", SNAPS),
+    Case("H6", "hard/stiffness", (*STIFFNESSES, INEXTENSIBLE)),
+    Case("H7", "hard/bungee", (Variant("lambda -0.5"), Variant("lambda -0.9", {"solver.lambda_infinity": -0.9})), chaos=20.0, statistics=False),
+    Case("H8", "hard/weightless", (Variant("lambda -0.5"),)),
+    Case("H9", "hard/bodies", BODIES),
+    Case("H10", "hard/grids", GRIDS),
+    Case("H11", "hard/tow_circle", (Variant("lambda -0.5"),)),
+    Case("H12", "hard/slack_current", (Variant("lambda -0.5"),)),
+)

@@ -1,0 +1,124 @@
+"""One run of a hard case: every communication step is one base step of the solver, and after each the ledger is read."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.integrate import cumulative_simpson
+
+from cable_model.cable_chain import CableChain
+from cable_model.errors import SolverError
+from cable_model.hard.ledger import Ledger
+from cable_model.kernels import header
+from cable_model.motion import TopMotion, top_motion
+from cable_model.scene import Scene
+from cable_model.signals import OUTPUTS
+
+SHAPES = 24  # snapshots kept for the picture
+
+
+@dataclass
+class Record:
+    """What a run left behind; arrays have one entry a communication step, the start included."""
+
+    scene: Scene
+    weight: float  # force scale W, N
+    times: np.ndarray
+    outputs: np.ndarray  # (rows, outputs)
+    excess: np.ndarray  # energy above start plus work, J; empty where no ledger was kept
+    drift: np.ndarray  # between the top as prescribed and as the lower end's velocity brings it, m
+    top_error: float  # between the reported and the prescribed top, m
+    arc_error: float  # between the drawn length and the sum of the stretched cells, m
+    substeps: np.ndarray  # internal steps of each communication step
+    error: str
+    seconds: float  # processor time
+    shapes: list[np.ndarray] = field(default_factory=list)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.outputs[:, OUTPUTS.index(name)]
+
+    @property
+    def reached(self) -> float:
+        """Time that the run reached, s."""
+        return float(self.times[-1])
+
+    @property
+    def body(self) -> np.ndarray:
+        """Path (rows, 3) of the lower end, m."""
+        first = OUTPUTS.index("body.x")
+        return self.outputs[:, first : first + 3]
+
+
+class _Watch:
+    """Reads a staggered chain after every step; the box grid has another state, of which the outputs alone are kept."""
+
+    def __init__(self, model: CableChain, motion: TopMotion) -> None:
+        self.model, self.motion = model, motion
+        self.ledger = Ledger(model) if model.parts.box is None else None
+        self.stored: list[float] = []
+        self.powers: list[float] = []
+        self.drift: list[float] = []
+        self.top_error = 0.0
+        self.arc_error = 0.0
+
+    def read(self, time: float) -> None:
+        if self.ledger is None:
+            return
+        prescribed = self.motion(time, -1)[:3]
+        at = self.model.positions()
+        self.top_error = max(self.top_error, float(np.abs(at[-1] - prescribed).max()))
+        now = self.ledger.now
+        n = now.mesh.shape[0] + 1
+        drawn = np.linalg.norm(np.diff(at, axis=0), axis=1)
+        self.arc_error = max(self.arc_error, abs(float(drawn.sum() - now.mesh[:, 0] @ np.linalg.norm(now.y[: n - 1], axis=1))))
+        brought = now.y[n - 1]
+        own = prescribed if len(brought) == 3 else prescribed[[0, 2]]
+        self.drift.append(float(np.linalg.norm(brought - own)))
+        self.stored.append(self.ledger.stored())
+        self.powers.append(self.ledger.power(self.motion(time, -1 if time > 0.0 else 1)[3:6]))
+
+    def excess(self, times: np.ndarray) -> np.ndarray:
+        if len(self.stored) < 3:
+            return np.zeros(0)
+        worked = cumulative_simpson(np.array(self.powers), x=times, initial=0.0)
+        return np.array(self.stored) - self.stored[0] - worked
+
+
+def record(scene: Scene, step: float | None = None, duration: float | None = None, watch: bool = True) -> Record:
+    """Run a scene with communication steps of `step` (default: the solver's own) over `duration`; never raises SolverError."""
+    step = scene.solver.time_step if step is None else step
+    duration = scene.run.duration if duration is None else duration
+    motion = top_motion(scene.top, scene.winch)
+    model = CableChain(scene)
+    watcher = _Watch(model, motion)
+    weight = Ledger(model).weight
+    count = round(duration / step)
+    moments = set(np.linspace(0, count, SHAPES).astype(int))
+    rows, shapes, times, substeps = [], [], [0.0], [0.0]
+    error = ""
+    begun = clock.process_time()
+    try:
+        model.initialize(motion(0.0, 1))
+        rows.append(model.outputs.copy())
+        if watch:
+            watcher.read(0.0)
+        for k in range(count):
+            before = model.state[header.STEPS]
+            model.advance(k * step, step, motion(k * step, 1), motion((k + 1) * step, -1))
+            rows.append(model.outputs.copy())
+            times.append((k + 1) * step)
+            substeps.append(model.state[header.STEPS] - before)
+            if watch:
+                watcher.read(times[-1])
+            if k + 1 in moments:
+                shapes.append(model.positions())
+    except SolverError as failure:
+        error = str(failure)
+    seconds = clock.process_time() - begun
+    rows = rows or [np.zeros(len(OUTPUTS))]
+    return Record(
+        scene, weight, np.array(times[: len(rows)]), np.array(rows), watcher.excess(np.array(times[: len(rows)])), np.array(watcher.drift),
+        watcher.top_error, watcher.arc_error, np.array(substeps[: len(rows)]), error, seconds, shapes,
+    )  # fmt: skip
