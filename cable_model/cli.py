@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench."""
+"""The command line: run, plot, describe, compare, check, bench, hard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rich.table import Table
 
 from cable_model.comparison import Difference, compare
 from cable_model.effects import effects, unknowns_per_node
-from cable_model.errors import ParameterError, SolverError
+from cable_model.errors import ParameterError, SolverError, unknown
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
@@ -215,6 +215,43 @@ def bench(repetitions: Annotated[int, typer.Option(help="repetitions; medians ar
     for cost in measure(repetitions=repetitions):
         table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
     console.print(table)
+
+
+@app.command()
+def hard(
+    case: Annotated[list[str] | None, typer.Option(help="cases to run, such as H1; default: all")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the table and the pictures")] = Path("results/hard"),
+    jobs: Annotated[int, typer.Option(help="processes")] = 2,
+) -> None:
+    """Run the hard cases, judge each by the five rules, and write table and pictures; exit status 1 when one fails."""
+    from cable_model.hard import report, runner
+
+    cases = runner.chosen(case or [])
+    if not cases:
+        raise unknown(", ".join(case or []), [known.key for known in runner.CASES], "case")
+    order = {(chosen.key, variant.label): k for k, (chosen, variant) in enumerate((c, v) for c in cases for v in c.variants)}
+    verdicts: list[runner.Verdict] = []
+    table = Table(title="Hard cases")
+    for column in report.HEAD:
+        table.add_column(column)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("hard cases", total=len(order))
+        for verdict in runner.run_all(cases, jobs):
+            verdicts.append(verdict)
+            bar.update(task, advance=1, description=f"{verdict.case.key} {verdict.variant.label}")
+    verdicts.sort(key=lambda v: order[v.case.key, v.variant.label])
+    further = {c.key: runner.further(c, [v for v in verdicts if v.case is c or v.case.key == c.key]) for c in cases}
+    for verdict in verdicts:
+        table.add_row(*report.row(verdict))
+    console.print(table)
+    for key, findings in further.items():
+        for f in findings:
+            console.print(f"{key}: {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})")
+    report.write(output, verdicts, further)
+    console.print(f"wrote {output / 'README.md'}, table.csv and pictures")
+    failed = [v for v in verdicts if v.variant.judged and not v.passed]
+    if failed or any(not f.holds for findings in further.values() for f in findings):
+        raise typer.Exit(1)
 
 
 def main() -> None:

@@ -24,7 +24,7 @@ LYING = {  # 10 m of cable on the floor, its top at the floor's height
     "solver": {"nodes": 21, "grading": 1.0, "time_step": 0.02, "lambda_infinity": -0.5},
 }
 TOP = (32.5, 0.0, 0.3)
-ON_FLOOR = (0.0, 0.0, -5.0)
+ON_FLOOR = (0.0, 0.0, -5.01)  # as deep as the cable sinks in
 
 
 def touchdown(length: float, weight: float, stiffness: float, x: float, z: float) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from cable_model.hard.record import Record
 SMALL_STEP = 1e-4  # of the base step: smaller ones are allowed for SLOW_SHARE of the run
 SLOW_SHARE = 0.01
 ENERGY = 0.01  # of W L
+WEIGHTLESS = 1e-6  # share of its weight in air below which a cable counts as weightless
 ARC = 1e-6  # of L
 DRIFT, DRIFT_IN_CHAOS = 1e-3, 2e-2  # of L
 COMPRESSION = 0.01  # of W
@@ -43,9 +44,10 @@ def finishes(run: Record, duration: float) -> Finding:
 
 def keeps_energy(run: Record) -> Finding:
     """(b) Energy never exceeds its start plus the work done on the cable by more than 1 % of W L."""
-    scale = run.weight * run.scene.cable.length
-    if scale == 0.0:  # no weight: the work that the tow does instead
-        scale = float(np.ptp(run["top.tension"])) * run.scene.cable.length
+    cable = run.scene.cable
+    scale = run.weight * cable.length
+    if run.weight < WEIGHTLESS * cable.mass_per_length * cable.length * run.scene.environment.gravity:
+        scale = float(run["top.tension"].max()) * cable.length  # no weight: the tow's force instead
     return _below("b", run.excess.max() / scale, ENERGY, "energy excess over W L")
 
 
@@ -61,7 +63,8 @@ def keeps_geometry(run: Record, chaos: float) -> list[Finding]:
     if not before.all():
         found.append(_below("c", run.drift.max() / length, DRIFT_IN_CHAOS, "drift of the lower end over L"))
     push = max(0.0, -float(run["cable.tension_min"].min()))
-    return [*found, _below("c", push / run.weight if run.weight else push, COMPRESSION, "compression over W")]
+    scale = max(run.weight, 1e-3 * float(run["top.tension"].max()))
+    return [*found, _below("c", push / scale, COMPRESSION, "compression over W")]
 
 
 def _gap(a: Record, b: Record, until: float) -> float:
@@ -82,7 +85,7 @@ def converges(run: Record, finer: Record, finest: Record, chaos: float, toleranc
 
 
 def keeps_statistics(run: Record, finer: Record, chaos: float) -> list[Finding]:
-    """(d) After chaos began: rms position of the lower end about the resting one and mean tension, against the finer run's."""
+    """(d) After chaos began: rms position of the lower end about the resting one and mean tension, against a finer run of equal length."""
     found = []
     late, fine = run.times > chaos, finer.times > chaos
     for words, of in (("rms of the lower end", _rms), ("mean tension", _mean)):

@@ -145,12 +145,12 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         t = scale(inv, qi)
         t_new = load_from(cells, i, 3, like)
         dv = scale(1.0 / h, sub(v_up, v_low))
-        rate = dot(dv, t) - _lengthening(parts.winch, gains, stretch)
+        rate = dot(dv, t)
         arc -= h
         damping = numeric.voigt + numeric.damping * h
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
         f, stiffness = elastic(parts.curve, cable.stiffness, strain)
-        f += damping * rate
+        f += damping * (rate - _lengthening(parts.winch, gains, stretch))
         force = iterate(parts.slack, numeric.smoothing, f, cells[i, 0])
         cells[i, 0] = force
         slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)

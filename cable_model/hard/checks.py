@@ -1,0 +1,84 @@
+"""What single cases ask for beyond the five rules: closed forms, convergence of peaks, one motion at every stiffness."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from cable_model.hard.record import Record
+from cable_model.hard.rules import Finding
+
+Runs = Mapping[str, Record]  # the judged runs of a case by their labels
+
+
+def folded_fall(runs: Runs) -> list[Finding]:
+    """The falling end against x'^2 = g x (2L - x)/(L - x), its energy balance, until x = 0.95 L."""
+    found = []
+    for label, run in runs.items():
+        length, g = run.scene.cable.length, run.scene.environment.gravity
+
+        def rate(t: float, x: np.ndarray, length: float = length, g: float = g) -> list[float]:
+            return [np.sqrt(g * x[0] * (2.0 * length - x[0]) / (length - x[0]))]
+
+        small = 1e-8 * length  # at rest the root has a second branch
+        path = solve_ivp(rate, (np.sqrt(small / g), 1.0), [small], events=_at(0.95 * length), rtol=1e-9, atol=1e-12, dense_output=True)
+        end = path.t_events[0][0]
+        times = run.times[(run.times > 0.02) & (run.times <= end)]
+        fallen = run.body[0, 2] - np.interp(times, run.times, run.body[:, 2])
+        miss = np.abs(fallen - path.sol(times)[0]).max() / length
+        peak = run["top.tension"].max() / run.weight
+        found.append(Finding("+", miss, 0.02, bool(miss <= 0.02), f"{label}: fall against the closed form over L; peak tension {peak:.3g} W"))
+    return found
+
+
+def _at(place: float) -> Callable[[float, np.ndarray], float]:
+    def event(t: float, x: np.ndarray) -> float:
+        return float(x[0] - place)
+
+    event.terminal = True  # type: ignore[attr-defined]
+    return event
+
+
+def peaks(runs: Runs) -> list[Finding]:
+    """Largest top tension of every cycle after two cycles: between one grid and the next it changes by 5 % at most."""
+    values = []
+    for run in runs.values():
+        late = run.times > 20.0
+        values.append(float(run["top.tension"][late].max()))
+    least = min(float(run["cable.tension_min"].min()) for run in runs.values())
+    change = abs(values[-2] / values[-1] - 1.0)
+    words = "peak tension, N: " + ", ".join(f"{value:.5g}" for value in values) + f"; least tension {least:.3g} N"
+    return [Finding("+", change, 0.05, change <= 0.05, words)]
+
+
+def one_motion(runs: Runs) -> list[Finding]:
+    """From 1e4 weights up the lower end moves alike; Newton's iterations differ by a factor of two at most."""
+    labels = [label for label in runs if float(label.split()[-1]) >= 1e4]
+    first = runs[labels[0]]
+    gaps = [np.linalg.norm(runs[label].body - first.body, axis=1).max() / first.scene.cable.length for label in labels[1:]]
+    work = [run["solver.newton_iterations"][-1] for run in runs.values()]
+    return [
+        Finding("+", max(gaps), 0.01, max(gaps) <= 0.01, "path against that of EA/W 1e4, over L"),
+        Finding("+", max(work) / min(work), 2.0, max(work) / min(work) <= 2.0, "largest over smallest number of iterations"),
+    ]
+
+
+def bounces(runs: Runs) -> list[Finding]:
+    """Twenty times up and down again."""
+    found = []
+    for label, run in runs.items():
+        z = run.body[:, 2]
+        middle = 0.5 * (z.max() + z.min())
+        count = int(np.sum((z[:-1] < middle) & (z[1:] >= middle)))
+        found.append(Finding("+", count, 20, count >= 20, f"{label}: bounces"))
+    return found
+
+
+CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
+    "folded fall": folded_fall,
+    "peaks": peaks,
+    "one motion": one_motion,
+    "bounces": bounces,
+}
