@@ -225,9 +225,10 @@ def hard(
 ) -> None:
     """Run the hard cases, judge each by the five rules, and write table and pictures; exit status 1 when one fails."""
     from cable_model.hard import report, runner
+    from cable_model.hard.bad_input import bad_input
 
     cases = runner.chosen(case or [])
-    if not cases:
+    if not cases and case != ["H15"]:
         raise unknown(", ".join(case or []), [known.key for known in runner.CASES], "case")
     order = {(chosen.key, variant.label): k for k, (chosen, variant) in enumerate((c, v) for c in cases for v in c.variants)}
     verdicts: list[runner.Verdict] = []
@@ -247,6 +248,9 @@ def hard(
     for key, findings in further.items():
         for f in findings:
             console.print(f"{key}: {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})")
+    if not case or "H15" in case:
+        further["H15"] = bad_input()
+        console.print(f"H15: {sum(f.holds for f in further['H15'])} of {len(further['H15'])} bad inputs give one clear error")
     report.write(output, verdicts, further)
     console.print(f"wrote {output / 'README.md'}, table.csv and pictures")
     failed = [v for v in verdicts if v.variant.judged and not v.passed]

@@ -31,7 +31,9 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
         ("anchored lower end", parts.anchor, f"lower_end.anchored = {str(scene.lower_end.anchored).lower()}"),
         ("water: buoyancy, drag, added mass", parts.water, _number("water.density", scene.water.density, "kg/m3") if scene.water else dry),
         ("current", parts.current, _current(scene) if wet else dry),
-        ("waves", parts.waves, _number("waves.amplitude", scene.waves.amplitude, "m") if wet else dry),
+        ("waves", parts.waves, _waves(scene) if wet else dry),
+        ("finite depth of the waves", parts.finite_depth, _number("water.depth", scene.water.depth, "m") if wet else dry),
+        ("waves up to the surface as it is", parts.stretched or parts.cut, f"waves.surface = {scene.waves.surface}" if wet else dry),
         ("material axial damping", parts.voigt, _number("cable.axial_damping", cable.axial_damping, "N.s")),
     ]
     if model == "chain":
@@ -44,6 +46,10 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
                 parts.slack,
                 "the box grid uses the linear law" if box else f"cable.compressible = {str(cable.compressible).lower()}",
             ),
+            ("seabed", parts.seabed, _number("seabed.stiffness", scene.seabed.stiffness, "Pa/m")),
+            ("friction along the seabed", parts.friction, _number("seabed.friction_coefficient", scene.seabed.friction_coefficient, "")),
+            ("winch", parts.winch, f"winch.fitted = {str(scene.winch.fitted).lower()}"),
+            ("table of the axial stiffness", parts.curve, f"cable.stiffness_curve has {len(cable.stiffness_curve)} rows"),
             ("motion out of the vertical plane", parts.space, f"solver.space = {str(scene.solver.space).lower()}"),
         ]
     else:
@@ -54,6 +60,14 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
             ("the report's misprints", parts.as_printed, f"tow.as_printed = {str(scene.tow.as_printed).lower()}"),
         ]
     return tuple(Effect(name, present is not None, why) for name, present, why in listed)
+
+
+def _waves(scene: Scene) -> str:
+    if scene.waves.spectrum != "none":
+        return f"waves.spectrum = {scene.waves.spectrum}, {scene.waves.components} components"
+    if scene.waves.table:
+        return f"waves.table has {len(scene.waves.table)} rows"
+    return _number("waves.amplitude", scene.waves.amplitude, "m")
 
 
 def _current(scene: Scene) -> str:

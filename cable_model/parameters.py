@@ -62,6 +62,7 @@ class Environment:
 @dataclass(frozen=True)
 class Water:
     density: float = quantity("kg/m3", "density of the water (0 = none)", default=1025.0, least=0.0)
+    depth: float = quantity("m", "depth that the waves feel (0 = deep water)", default=0.0, least=0.0)
 
 
 @dataclass(frozen=True)
@@ -88,12 +89,25 @@ class Current:
 
 @dataclass(frozen=True)
 class Waves:
-    """A regular deep-water wave."""
+    """A regular wave, or an irregular sea from a spectrum or a table of components."""
 
     amplitude: float = quantity("m", "amplitude of the wave (0 = none)", default=0.0, least=0.0)
     period: float = quantity("s", "period of the wave", default=10.0, above=0.0)
     direction: float = quantity("rad", "direction the wave runs to, from x towards y", default=0.0)
     phase: float = quantity("rad", "phase of the wave: elevation a cos(k s - omega t + phase)", default=0.0)
+    spectrum: str = quantity("", "spectrum of an irregular sea", default="none", choices=("none", "pierson-moskowitz", "jonswap"))
+    significant_height: float = quantity("m", "significant wave height of the spectrum", default=0.0, least=0.0)
+    peak_period: float = quantity("s", "period of the spectrum's peak", default=10.0, above=0.0)
+    peakedness: float = quantity("1", "peakedness gamma of the JONSWAP spectrum", default=3.3, least=1.0, most=10.0)
+    components: int = quantity("1", "number of components of the spectrum, of equal energy", default=60, least=1, most=10000)
+    seed: int = quantity("1", "seed of the components' phases", default=1, least=0, most=2147483646)
+    table: tuple[tuple[float, float, float, float], ...] = quantity(
+        "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
+    )
+    surface: str = quantity(
+        "", "waves above still water: as at z = 0, stretched to the surface as it is, or cut off there", default="held",
+        choices=("held", "wheeler", "cut"),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from cable_model.kernels.family import INTEGRATORS
 from cable_model.kernels.problem import PARAMETERS, Parts
 from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
 from cable_model.quantity import build, quantity
+from cable_model.sea import check_waves, components
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,7 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("current.speed", scene.current.speed, "m/s", "0 without water", "Add [water] or remove [current].")
     if not wet and scene.waves.amplitude > 0.0:
         raise refuse("waves.amplitude", scene.waves.amplitude, "m", "0 without water", "Add [water] or remove [waves].")
+    check_waves(scene.waves, wet)
     if wet and scene.cable.diameter == 0.0:
         raise refuse("cable.diameter", 0.0, "m", "> 0 in water", "Give the diameter, or remove [water].")
     if scene.lower_end.anchored and not scene.lower_end.released and scene.body.mass > 0.0:
@@ -80,6 +82,7 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("solver.lambda_infinity", scene.solver.lambda_infinity, "", "< 1", "Take 0 or below.")
     if not scene.solver.space:
         tilted = [("current.direction", scene.current.direction), ("waves.direction", scene.waves.direction)]
+        tilted += [(f"waves.table[{i}]", row[2]) for i, row in enumerate(scene.waves.table)]
         tilted += [(f"current.levels[{i}]", row[2]) for i, row in enumerate(scene.current.levels)]
         for name, angle in tilted:
             if abs(math.sin(angle)) > 1e-9:
@@ -180,16 +183,10 @@ def _curve_table(cable: Cable) -> np.ndarray | None:
     return np.ascontiguousarray(np.column_stack((rows, slopes)))
 
 
-def _wave_table(waves: Waves, gravity: float) -> np.ndarray | None:
-    if waves.amplitude == 0.0:
-        return None
-    omega = 2.0 * math.pi / waves.period
-    return np.array([[waves.amplitude, omega, omega * omega / gravity, waves.direction, waves.phase]])
-
-
 def parts_of(scene: Scene, model: str) -> Parts:
     """Which parts the kernels of a model ("chain" or "tow") get; absent parts are None and cost nothing."""
     wet = scene.water is not None and scene.water.density > 0.0
+    waves = components(scene.waves, scene.environment.gravity, scene.water.depth) if wet else None
     grounded = scene.seabed.stiffness > 0.0
 
     def when(condition: bool) -> Any:
@@ -210,7 +207,10 @@ def parts_of(scene: Scene, model: str) -> Parts:
         anchor=when(scene.lower_end.anchored and not (chain and scene.lower_end.released)),
         water=when(wet),
         current=_current_table(scene.current) if wet else None,
-        waves=_wave_table(scene.waves, scene.environment.gravity) if wet else None,
+        waves=waves,
+        finite_depth=when(waves is not None and scene.water.depth > 0.0),
+        stretched=when(waves is not None and scene.waves.surface == "wheeler"),
+        cut=when(waves is not None and scene.waves.surface == "cut"),
         seabed=when(chain and grounded),
         friction=when(chain and grounded and scene.seabed.friction_coefficient > 0.0),
         winch=when(chain and scene.winch.fitted),

@@ -5,25 +5,27 @@ import pytest
 from chain_support import WIRE, drive, every, make, swing
 from scipy.optimize import brentq
 
-from cable_model.kernels.fluid import body_drag, element_drag, wave_motion
-from cable_model.kernels.problem import Water
+from cable_model.kernels.fluid import body_drag, element_drag
+from cable_model.kernels.problem import Parts, Water
+from cable_model.kernels.waves import wave_motion
 
-WAVE = np.array([[0.8, 1.1, 1.1**2 / 9.81, 0.6, 0.3]])  # amplitude, omega, k = omega^2/g, direction, phase
+WAVE = np.array([[0.8, 1.1, 1.1**2 / 9.81, 0.6, 0.3, 0.0]])  # amplitude, omega, k = omega^2/g, direction, phase
+SEA = Parts(waves=WAVE)
 PLACE, TIME = (2.0, -1.0, -3.0), 1.7
 
 
 def test_wave_velocity_is_that_of_a_linear_wave_in_deep_water():
-    a, omega, k, direction, phase = WAVE[0]
+    a, omega, k, direction, phase, _ = WAVE[0]
     angle = k * (PLACE[0] * np.cos(direction) + PLACE[1] * np.sin(direction)) - omega * TIME + phase
     size = a * omega * np.exp(k * PLACE[2])
-    velocity, acceleration, gradient = wave_motion(WAVE, PLACE, TIME)
+    velocity, acceleration, gradient = wave_motion(SEA, PLACE, TIME)
     expected = [size * np.cos(angle) * np.cos(direction), size * np.cos(angle) * np.sin(direction), size * np.sin(angle)]
     assert velocity == pytest.approx(expected, rel=1e-12)
-    ahead, behind = (np.array(wave_motion(WAVE, PLACE, TIME + dt)[0]) for dt in (1e-5, -1e-5))
+    ahead, behind = (np.array(wave_motion(SEA, PLACE, TIME + dt)[0]) for dt in (1e-5, -1e-5))
     assert acceleration == pytest.approx((ahead - behind) / 2e-5, rel=1e-8)
     columns = []
     for step in np.eye(3) * 1e-5:
-        up, down = (np.array(wave_motion(WAVE, tuple(PLACE + sign * step), TIME)[0]) for sign in (1.0, -1.0))
+        up, down = (np.array(wave_motion(SEA, tuple(PLACE + sign * step), TIME)[0]) for sign in (1.0, -1.0))
         columns.append((up - down) / 2e-5)
     matrix = np.reshape(gradient, (3, 3))
     assert matrix == pytest.approx(np.array(columns), abs=1e-9)  # symmetric too: the flow is irrotational
@@ -32,8 +34,8 @@ def test_wave_velocity_is_that_of_a_linear_wave_in_deep_water():
 
 
 def test_waves_above_the_still_surface_hold_the_values_of_the_surface():
-    level = wave_motion(WAVE, (2.0, -1.0, 0.0), TIME)
-    above = wave_motion(WAVE, (2.0, -1.0, 0.7), TIME)
+    level = wave_motion(SEA, (2.0, -1.0, 0.0), TIME)
+    above = wave_motion(SEA, (2.0, -1.0, 0.7), TIME)
     assert above[0] == pytest.approx(level[0], rel=1e-14)
     assert above[1] == pytest.approx(level[1], rel=1e-14)
 

@@ -106,6 +106,24 @@ SLACK = tuple(
 BOTH = (Variant("lambda -0.5"), Variant("lambda -0.9", {"solver.lambda_infinity": -0.9}))
 FINE = {"solver.nodes": 200, "solver.time_step": 0.001}
 
+TURN = 40.0  # s: the current that the cable of H12 sees has begun to turn round, and the cable folds
+BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve periods
+    Variant(
+        f"radius {radius:g} m, period {period:g} s",
+        {
+            "top.motion": [
+                {"kind": "sinusoid", "axis": axis, "amplitude": radius, "angular_frequency": 2.0 * math.pi / period, "phase": phase,
+                 "ramp_time": 2.0 * period}
+                for axis, phase in (("x", 0.5 * math.pi), ("z", math.pi))
+            ],
+            "solver.time_step": period / 125.0,
+            "run.duration": 12.0 * period,
+        },
+    )
+    for radius in (0.075, 0.125, 0.2)
+    for period in (1.25, 1.5, 2.0, 2.5, 3.0, 3.5)
+)  # fmt: skip
+
 CASES = (
     Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0, statistics=60.0, reference=FINE),
     Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=60.0, reference=FINE),
@@ -120,5 +138,7 @@ CASES = (
     Case("H9", "hard/bodies", BODIES),
     Case("H10", "hard/grids", GRIDS),
     Case("H11", "hard/tow_circle", (Variant("lambda -0.5"),)),
-    Case("H12", "hard/slack_current", (Variant("lambda -0.5"),)),
+    Case("H12", "hard/slack_current", (Variant("lambda -0.5"),), chaos=TURN),
+    Case("H13", "basin_chain", BASIN, check="basin"),
+    Case("H14", "hard/three_hours", (Variant("lambda -0.5", refined=False),), check="drift"),
 )

@@ -115,5 +115,5 @@ class Ledger:
         """Velocity and acceleration of the water at places (k, D)."""
         if parts.current is None and parts.waves is None:  # type: ignore[attr-defined]
             return np.zeros_like(places), np.zeros_like(places)
-        found = [water_motion(parts.current, parts.waves, tuple(place), time)[:2] for place in places]  # type: ignore[attr-defined]
+        found = [water_motion(parts, tuple(place), time)[:2] for place in places]  # type: ignore[attr-defined]
         return np.array([f[0] for f in found]), np.array([f[1] for f in found])

@@ -59,6 +59,9 @@ def write(folder: Path, verdicts: Sequence[Verdict], further: Mapping[str, Seque
         text += ["| " + " | ".join(line[1:]) + " |" for line in rows if line[0] == key]
         text += ["", *(f"- {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})" for f in further.get(key, ())), ""]
         draw(folder / picture_name(key), own)
+    if "H15" in further:
+        text += ["## H15: bad input", ""]
+        text += [f"- {'refused' if f.holds else 'FAILS'}: {f.words}" for f in further["H15"]]
     (folder / "README.md").write_text("\n".join(text).replace("\n\n\n", "\n\n") + "\n", encoding="utf-8")
 
 

@@ -13,7 +13,7 @@ def _flow(parts, s, c, u, v, x, z, reach, time):
     t = (s, c)
     n = (c, -s)
     position = (x + reach * (u * s + v * c), z + reach * (u * c - v * s))
-    flow, flow_rate, gradient = water_motion(parts.current, parts.waves, position, time)
+    flow, flow_rate, gradient = water_motion(parts, position, time)
     along = apply(gradient, t)
     across = apply(gradient, n)
     tt = reach * dot(t, along)

@@ -4,6 +4,7 @@ import math
 
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
+from cable_model.kernels.waves import wave_motion
 
 
 @kernel
@@ -44,56 +45,10 @@ def current_velocity(current, position):
 
 
 @kernel
-def _wave_axes(direction, like):
-    """Unit vector of propagation as a D-vector; in the plane its sign only."""
-    if len(like) == 2:
-        return (math.copysign(1.0, math.cos(direction)), 0.0)
-    return (math.cos(direction), math.sin(direction), 0.0)
-
-
-@kernel
-def _vertical(like):
-    if len(like) == 2:
-        return (0.0, 1.0)
-    return (0.0, 0.0, 1.0)
-
-
-@kernel
-def wave_motion(waves, position, t):
-    """Velocity, acceleration and velocity gradient of linear deep-water waves; above z = 0 the values of z = 0 hold.
-
-    Elevation of a component: a cos(k s - omega t + phase), s along its direction.
-    """
-    velocity = zero(position)
-    acceleration = zero(position)
-    gradient = diagonal(0.0, position)
-    if waves is None:
-        return velocity, acceleration, gradient
-    z = position[len(position) - 1]
-    up = _vertical(position)
-    for j in range(waves.shape[0]):
-        omega = waves[j, 1]
-        k = waves[j, 2]
-        along = _wave_axes(waves[j, 3], position)
-        angle = k * dot(along, position) - omega * t + waves[j, 4]
-        speed = waves[j, 0] * omega * math.exp(k * min(z, 0.0))
-        c = speed * math.cos(angle)
-        s = speed * math.sin(angle)
-        velocity = add(velocity, mix(c, along, s, up))
-        acceleration = add(acceleration, mix(omega * s, along, -omega * c, up))
-        by_along = mix(-k * s, along, k * c, up)
-        gradient = add_matrix(gradient, outer(by_along, along))
-        if z < 0.0:
-            by_up = mix(k * c, along, k * s, up)
-            gradient = add_matrix(gradient, outer(by_up, up))
-    return velocity, acceleration, gradient
-
-
-@kernel
-def water_motion(current, waves, position, t):
+def water_motion(parts, position, t):
     """Velocity, acceleration and velocity gradient of the water at a position: current plus waves."""
-    u, g = current_velocity(current, position)
-    w, a, gw = wave_motion(waves, position, t)
+    u, g = current_velocity(parts.current, position)
+    w, a, gw = wave_motion(parts, position, t)
     return add(u, w), a, add_matrix(g, gw)
 
 

@@ -66,7 +66,10 @@ class Parts(NamedTuple):
     anchor: object = None
     water: object = None
     current: object = None  # table, one row a level: z, velocity x, velocity y; sorted by rising z; end values hold beyond it
-    waves: object = None  # table, one row a component: amplitude, angular frequency, wave number, direction, phase
+    waves: object = None  # table of waves.py, one row a component
+    finite_depth: object = None  # of the waves
+    stretched: object = None  # waves reach up to the surface as it is: Wheeler's way
+    cut: object = None  # or as held, with nothing above it
     seabed: object = None
     friction: object = None  # along the seabed
     winch: object = None  # the cable's length changes at the top
@@ -74,6 +77,16 @@ class Parts(NamedTuple):
     cable_mass: object = None  # TowCable only (CBMAS >= 0)
     tension_floor: object = None  # TowCable only (TENS)
     as_printed: object = None  # TowCable only: the report's errors kept
+
+
+@kernel
+def in_calm_water(parts):
+    """The same parts without waves."""
+    return Parts(
+        parts.box, parts.space, parts.inextensible, parts.slack, parts.bending, parts.voigt, parts.body, parts.anchor,
+        parts.water, parts.current, None, None, None, None, parts.seabed, parts.friction, parts.winch, parts.curve,
+        parts.cable_mass, parts.tension_floor, parts.as_printed,
+    )  # fmt: skip
 
 
 class Cable(NamedTuple):

@@ -56,7 +56,7 @@ def _element_water(water, parts, medium, cable, h, split, q, position, speed, lo
         return zero(q), zero(q), none, none, none, none, inertia
     stretch = norm(q)
     t = scale(1.0 / stretch, q)
-    flow, flow_rate, flow_gradient = water_motion(parts.current, parts.waves, position, time)
+    flow, flow_rate, flow_gradient = water_motion(parts, position, time)
     normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, outer(t, t)))
     inertia = add_matrix(inertia, scale_matrix(medium.added_mass, normal))
     # normal inertia force per length on the shares: added mass times (a - a_w), minus displaced mass times a_w
@@ -240,7 +240,7 @@ def _body_terms(water, parts, body, gains, position, v, a, time):
     jacobian = diagonal(mass * gains.a, v)
     if water is None:
         return residual, jacobian
-    flow, flow_rate, flow_gradient = water_motion(parts.current, parts.waves, position, time)
+    flow, flow_rate, flow_gradient = water_motion(parts, position, time)
     drag, by_v = body_drag(body.drag, sub(v, flow))
     residual = sub(axpy(-(body.displaced_mass + body.added_mass), flow_rate, residual), drag)
     jacobian = add_matrix(jacobian, scale_matrix(-gains.v, by_v))

@@ -7,10 +7,11 @@ lower end.  Equations of [Wang 1971] with its errors corrected; `as_printed` kee
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.fluid import current_velocity, wave_motion
+from cable_model.kernels.fluid import current_velocity
 from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import PARAMETERS, body_part, cable_part, total_weight
+from cable_model.kernels.waves import wave_motion
 
 ANGLE = HEADER  # phi
 ANGLE_RATE = HEADER + 1
@@ -161,20 +162,20 @@ def constants(parts, p):
 
 
 @kernel
-def wave_velocity(waves, as_printed, x, y, time):
+def wave_velocity(parts, x, y, time):
     """Orbital velocity of the waves in (x, y down); eq 26b of the report has the vertical one upside down."""
-    if waves is None:
+    if parts.waves is None:
         return 0.0, 0.0
-    v, _, _ = wave_motion(waves, (x, -y), time)
-    if as_printed is None:
+    v, _, _ = wave_motion(parts, (x, -y), time)
+    if parts.as_printed is None:
         return v[0], -v[1]
     return v[0], v[1]
 
 
 @kernel
-def water_velocity(current, waves, as_printed, x, y, time):
-    flow, _ = current_velocity(current, (x, -y))
-    vx, vy = wave_velocity(waves, as_printed, x, y, time)
+def water_velocity(parts, x, y, time):
+    flow, _ = current_velocity(parts.current, (x, -y))
+    vx, vy = wave_velocity(parts, x, y, time)
     return flow[0] + vx, vy
 
 
@@ -193,7 +194,7 @@ def turned(x, y, sin, cos):
 
 
 @kernel
-def cable_drag(water, current, waves, as_printed, c, top, time, motion):
+def cable_drag(water, parts, c, top, time, motion):
     """Generalized drag forces on phi and u, and the drag force (x, y down), of the whole cable [Wang 1971, eqs 38-45]."""
     if water is None:
         return 0.0, 0.0, 0.0, 0.0
@@ -209,7 +210,7 @@ def cable_drag(water, current, waves, as_printed, c, top, time, motion):
     for i in range(c.segments):
         middle = (i + 0.5) / c.segments
         s = middle * length
-        vx, vy = water_velocity(current, waves, as_printed, top[0] - s * sin, top[3] + s * cos, time)
+        vx, vy = water_velocity(parts, top[0] - s * sin, top[3] + s * cos, time)
         across, along = turned(vx, vy, sin, cos)
         across -= across_top + s * phi_rate
         along -= along_top + middle * u_rate
@@ -218,7 +219,7 @@ def cable_drag(water, current, waves, as_printed, c, top, time, motion):
         normal += fn
         tangential += ft
         moment += middle * fn
-        pull += tangential_weight(as_printed, middle) * ft
+        pull += tangential_weight(parts.as_printed, middle) * ft
     area = (1.0 - c.contraction * u) * length / c.segments
     kn = c.normal_drag * area
     kt = c.tangential_drag * area
@@ -226,7 +227,7 @@ def cable_drag(water, current, waves, as_printed, c, top, time, motion):
 
 
 @kernel
-def body_drag(body, water, current, waves, as_printed, c, top, time, motion):
+def body_drag(body, water, parts, c, top, time, motion):
     """Drag force (x, y down) on the body, by the law of spheres or of disks [Wang 1971, eqs 32-35]."""
     if body is None or water is None:
         return 0.0, 0.0
@@ -234,7 +235,7 @@ def body_drag(body, water, current, waves, as_printed, c, top, time, motion):
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    vx, vy = water_velocity(current, waves, as_printed, top[0] - length * sin, top[3] + length * cos, time)
+    vx, vy = water_velocity(parts, top[0] - length * sin, top[3] + length * cos, time)
     vx -= top[1] - u_rate * sin - length * cos * phi_rate
     vy -= top[4] + u_rate * cos - length * sin * phi_rate
     if c.sphere:
@@ -300,8 +301,8 @@ def accelerations(parts, c, top, time, motion, slack):
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    q1, q2, _, _ = cable_drag(parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
-    dx, dy = body_drag(parts.body, parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    q1, q2, _, _ = cable_drag(parts.water, parts, c, top, time, motion)
+    dx, dy = body_drag(parts.body, parts.water, parts, c, top, time, motion)
     i1, i2 = cable_inertia(parts.cable_mass, c, top, motion)
     alpha = c.mass_x * (top[2] - 2.0 * ud * w * cos + length * w * w * sin)
     beta = c.mass_y * (top[5] - 2.0 * ud * w * sin - length * w * w * cos)
@@ -329,8 +330,8 @@ def end_forces(parts, c, top, time, motion, slack):
     cos = math.cos(phi)
     length = c.length + u
     wd, udd = accelerations(parts, c, top, time, motion, slack)
-    _, _, cx, cy = cable_drag(parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
-    dx, dy = body_drag(parts.body, parts.water, parts.current, parts.waves, parts.as_printed, c, top, time, motion)
+    _, _, cx, cy = cable_drag(parts.water, parts, c, top, time, motion)
+    dx, dy = body_drag(parts.body, parts.water, parts, c, top, time, motion)
     ax = top[2] - udd * sin - 2.0 * ud * w * cos - length * (cos * wd - sin * w * w)
     ay = top[5] + udd * cos - 2.0 * ud * w * sin - length * (sin * wd + cos * w * w)
     # force of the cable on the body

@@ -4,6 +4,7 @@ import math
 
 from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, body_drag, cable_drag, constants
 
 SCAN = 36  # intervals on each side of the vertical in which equilibria are looked for
@@ -16,8 +17,8 @@ def still_loads(parts, c, x, y, phi, u):
     motion = (phi, 0.0, u, 0.0)
     sin = math.sin(phi)
     cos = math.cos(phi)
-    q1, q2, _, _ = cable_drag(parts.water, parts.current, None, parts.as_printed, c, top, 0.0, motion)
-    dx, dy = body_drag(parts.body, parts.water, parts.current, None, parts.as_printed, c, top, 0.0, motion)
+    q1, q2, _, _ = cable_drag(parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    dx, dy = body_drag(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
     weight = c.body_weight + 0.5 * c.weight
     return (c.length + u) * (-sin * weight - dx * cos - dy * sin) + q1, cos * weight - dx * sin + dy * cos + q2
 

@@ -41,7 +41,7 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 # parts of an FMU without a baked scene, which parameters switch on and off
 _ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
     "slack": EITHER, "bending": EITHER, "body": EITHER, "anchor": EITHER, "water": EITHER,
-    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
+    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS, "seabed": EITHER, "friction": EITHER, "winch": EITHER,
 }  # fmt: skip
 _ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
     "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,

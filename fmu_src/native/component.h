@@ -25,7 +25,7 @@ typedef struct {
     Core core;
     int variant;
     double numbers[N_NUMBERS], present[N_PARTS];
-    double levels[N_BAKED_LEVELS + 1][3], component[1][5];
+    double levels[N_BAKED_LEVELS + 1][3], component[1][6];
     int64_t n_levels, n_components, n_state, n_work;
     double *state, *work;
     char active[1024];
@@ -167,12 +167,12 @@ static fmi2Status choose_variant(Instance *m)
     return fail(m, "effects: must be those that this native FMU was compiled with. Use the FMU that runs Python, or bake the scene.");
 }
 
-/* As scene._current_table and scene._wave_table: one row each, zeros where there is none. */
+/* As scene._current_table and sea.components: one row each, zeros where there is none. */
 static void fill_tables(Instance *m)
 {
     const double *x = m->core.values, omega = 2.0 * 3.141592653589793 / x[WAVE_PERIOD];
     const double one_level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
-    const double wave[5] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], x[WAVE_DIRECTION], x[WAVE_PHASE]};
+    const double wave[6] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], x[WAVE_DIRECTION], x[WAVE_PHASE], 0.0};
     memset(m->levels, 0, sizeof m->levels);
     m->n_levels = 1;
     m->n_components = m->present[WAVES] != 0.0;

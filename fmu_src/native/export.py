@@ -80,7 +80,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (n_numbers,))
-        parts = parts_now(carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 5)))
+        parts = parts_now(carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6)))
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)

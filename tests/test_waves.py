@@ -1,0 +1,182 @@
+"""The sea: dispersion, potential flow, surface, spectra and components."""
+
+import math
+
+import numpy as np
+import pytest
+from chain_support import WIRE, drive, every, make, still
+from scipy.integrate import quad
+
+from cable_model import scene
+from cable_model.errors import ParameterError
+from cable_model.kernels.problem import Parts
+from cable_model.kernels.waves import elevation, wave_motion, wave_number
+from cable_model.parameters import Waves
+from cable_model.scene import parts_of
+from cable_model.sea import components, spectral_density
+from cable_model.tow_cable import TowCable
+
+G = 9.81
+KINDS = {"held": {}, "wheeler": {"stretched": True}, "cut": {"cut": True}}
+
+
+def sea(depth: float, **kinds: bool) -> Parts:
+    rows = [(0.8, 1.1, 0.6, 0.3), (0.3, 2.0, -1.0, 2.0)]
+    table = np.array([[a, w, wave_number(w, depth, G), d, p, depth] for a, w, d, p in rows])
+    return Parts(waves=table, finite_depth=True if depth > 0.0 else None, **kinds)
+
+
+@pytest.mark.parametrize("depth", [0.1, 1.0, 5.0, 30.0, 1e3, 0.0])
+@pytest.mark.parametrize("omega", [0.05, 0.5, 1.5, 6.0])
+def test_wave_numbers_obey_the_dispersion_relation(depth, omega):
+    k = wave_number(omega, depth, G)
+    assert G * k * (math.tanh(k * depth) if depth else 1.0) == pytest.approx(omega**2, rel=4e-15)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("depth", [0.0, 12.0])
+@pytest.mark.parametrize("z", [-4.0, -0.3, 0.55])
+def test_gradient_and_acceleration_are_derivatives_of_the_velocity(kind, depth, z):
+    parts, place, t, h = sea(depth, **KINDS[kind]), np.array([2.0, -1.0, z]), 1.7, 1e-6
+    if kind == "cut" and z > 0.0:
+        surface = elevation(parts.waves, tuple(place), t)[0]
+        place[2] = surface + 0.03  # in the taper of 0.05 * 1.1 m
+    _, acceleration, gradient = wave_motion(parts, tuple(place), t)
+
+    def velocity(at: np.ndarray, time: float) -> np.ndarray:
+        return np.array(wave_motion(parts, tuple(at), time)[0])
+
+    columns = [(velocity(place + h * e, t) - velocity(place - h * e, t)) / (2.0 * h) for e in np.eye(3)]
+    assert np.reshape(gradient, (3, 3)) == pytest.approx(np.array(columns).T, abs=3e-8)
+    if kind != "cut":  # what is cut off follows the surface: its share in the acceleration is left out
+        assert acceleration == pytest.approx((velocity(place, t + h) - velocity(place, t - h)) / (2.0 * h), abs=1e-8)
+
+
+@pytest.mark.parametrize("depth", [0.0, 3.0])
+def test_the_flow_is_a_potential_flow_over_an_impermeable_bottom(depth):
+    parts = sea(depth)
+    _, _, gradient = wave_motion(parts, (2.0, -1.0, -1.3), 0.4)
+    matrix = np.reshape(gradient, (3, 3))
+    assert np.trace(matrix) == pytest.approx(0.0, abs=1e-13)
+    assert matrix == pytest.approx(matrix.T, abs=1e-13)
+    if depth:
+        assert wave_motion(parts, (2.0, -1.0, -depth), 0.4)[0][2] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("depth", [0.0, 3.0])
+def test_the_surface_rises_as_the_water_there_does(depth):
+    parts = sea(depth)
+    _, rate, _ = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)
+    assert wave_motion(parts, (2.0, -1.0, 0.0), 0.4)[0][2] == pytest.approx(rate, rel=1e-12)
+
+
+def test_in_great_depth_waves_are_those_of_deep_water():
+    for a, b in zip(wave_motion(sea(0.0), (2.0, -1.0, -3.0), 0.4), wave_motion(sea(500.0), (2.0, -1.0, -3.0), 0.4), strict=True):
+        assert a == pytest.approx(b, rel=1e-12)
+
+
+def test_stretched_waves_have_at_the_surface_what_held_ones_have_at_still_water():
+    for depth in (0.0, 12.0):
+        parts = sea(depth, stretched=True)
+        surface = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)[0]
+        at_surface = wave_motion(parts, (2.0, -1.0, surface - 1e-12), 0.4)[0]
+        assert at_surface == pytest.approx(wave_motion(sea(depth), (2.0, -1.0, 0.0), 0.4)[0], rel=1e-9)
+        if depth:
+            assert wave_motion(parts, (2.0, -1.0, -depth), 0.4)[0][2] == pytest.approx(0.0, abs=1e-14)
+
+
+def test_cut_waves_end_at_the_surface():
+    parts = sea(0.0, cut=True)
+    surface = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)[0]
+    assert wave_motion(parts, (2.0, -1.0, surface + 0.06), 0.4)[0] == (0.0, 0.0, 0.0)
+    assert wave_motion(parts, (2.0, -1.0, surface - 1e-9), 0.4)[0] == wave_motion(sea(0.0), (2.0, -1.0, surface - 1e-9), 0.4)[0]
+
+
+def moment(waves: Waves, order: int) -> float:
+    def integrand(omega: float) -> float:
+        return omega**order * float(spectral_density(waves, np.array([omega]))[0])
+
+    peak = 2.0 * math.pi / waves.peak_period
+    return sum(quad(integrand, a * peak, b * peak, limit=200)[0] for a, b in ((0.2, 1.0), (1.0, 3.0), (3.0, 200.0)))
+
+
+def test_the_pierson_moskowitz_spectrum_has_its_closed_moments():
+    waves = Waves(spectrum="pierson-moskowitz", significant_height=3.0, peak_period=9.0)
+    peak = 2.0 * math.pi / 9.0
+    # integral of r^-5 exp(-5/4 r^-4) over r is 1/5; the mean frequency is 1.2957 of the peak's, Gamma(3/4) (5/4)^(1/4)
+    assert moment(waves, 0) == pytest.approx(peak / 5.0, rel=1e-6)
+    assert moment(waves, 1) / moment(waves, 0) == pytest.approx(peak * math.gamma(0.75) * 1.25**0.25, rel=1e-4)
+
+
+@pytest.mark.parametrize(("spectrum", "mean_over_peak"), [("pierson-moskowitz", 0.7718), ("jonswap", 0.8345)])
+def test_components_carry_the_significant_height_and_the_mean_period(spectrum, mean_over_peak):
+    waves = Waves(spectrum=spectrum, significant_height=3.0, peak_period=9.0, components=2000)
+    table = components(waves, G, 0.0)
+    assert np.sum(table[:, 0] ** 2 / 2.0) == pytest.approx(9.0 / 16.0, rel=1e-12)
+    mean = np.sum(table[:, 0] ** 2 * table[:, 1]) / np.sum(table[:, 0] ** 2)
+    assert 2.0 * math.pi / mean / 9.0 == pytest.approx(mean_over_peak, abs=5e-3)  # T01/Tp, DNV-RP-C205: 0.7718 and 0.8345
+    assert table[:, 2] == pytest.approx(table[:, 1] ** 2 / G, rel=1e-12)
+
+
+def test_a_seed_gives_one_sea_and_another_seed_another():
+    first, again, other = (components(Waves(spectrum="jonswap", significant_height=3.0, seed=s), G, 0.0) for s in (1, 1, 2))
+    assert np.array_equal(first, again)
+    assert np.array_equal(first[:, :4], other[:, :4])
+    assert not np.array_equal(first[:, 4], other[:, 4])
+
+
+def test_the_surface_in_time_has_the_significant_height():
+    table = components(Waves(spectrum="jonswap", significant_height=3.0, peak_period=9.0, components=200), G, 0.0)
+    heights = [elevation(table, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
+    assert 4.0 * np.std(heights) == pytest.approx(3.0, rel=0.03)
+
+
+def test_a_table_of_one_row_is_the_regular_wave():
+    runs = []
+    for waves in ({"amplitude": 1.0, "period": 8.0, "phase": 0.4}, {"table": [[1.0, 8.0, 0.0, 0.4]]}):
+        base = {**WIRE, "waves": waves}
+        runs.append(drive(make(base), every(0.05, 2.0), still()))
+    assert np.array_equal(runs[0]["top.tension"], runs[1]["top.tension"])
+
+
+@pytest.mark.parametrize("surface", ["held", "wheeler", "cut"])
+def test_a_wire_in_an_irregular_sea_takes_three_iterations_a_step_at_most(surface):
+    waves = {"spectrum": "jonswap", "significant_height": 3.0, "peak_period": 9.0, "components": 20, "surface": surface}
+    model = make({**WIRE, "waves": waves, "water": {"density": 1025.0, "depth": 250.0}})
+    run = drive(model, every(0.05, 10.0), still((0.0, 0.0, 2.0)))
+    assert run["solver.newton_iterations"][-1] <= 3.0 * run["solver.steps"][-1]
+    assert np.std(run["body.x"]) > 0.0
+
+
+def test_tow_cable_feels_the_irregular_sea():
+    waves = {"spectrum": "pierson-moskowitz", "significant_height": 3.0, "peak_period": 9.0}
+    model = TowCable(scene.from_dict({**WIRE, "cable": {**WIRE["cable"], "length": 20.0}, "waves": waves}))
+    model.initialize(np.zeros(9))
+    for k in range(100):
+        model.advance(0.1 * k, 0.1, np.zeros(9), np.zeros(9))
+    assert abs(model.outputs[5]) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"waves": {"spectrum": "jonswap"}}, "waves.significant_height = 0 m: must be > 0 with a spectrum. Give the significant wave height."),
+        ({"waves": {"spectrum": "jonswap", "significant_height": 2.0, "amplitude": 1.0}},
+         "waves = 2 kinds: must be one of amplitude, spectrum and table. Keep one of them."),
+        ({"waves": {"table": [[1.0, 0.0, 0.0, 0.0]]}},
+         "waves.table[0] = '1 m, 0 s': must be an amplitude >= 0 and a period > 0. Mend the row."),
+        ({"waves": {"table": [[1.0, 5.0, 0.7, 0.0]]}},
+         "waves.table[0] = 0.7 rad: must be 0 or pi in the plane. Set solver.space = true, or turn the axes so that x is along it."),
+        ({"waves": {"spectrum": "jonswap", "significant_height": 2.0}, "water": {"density": 0.0}},
+         "waves.spectrum = 'jonswap': must be none without water. Add [water] or remove [waves]."),
+    ],
+)  # fmt: skip
+def test_seas_that_are_none_are_refused(changes, text):
+    with pytest.raises(ParameterError) as error:
+        scene.from_dict({**WIRE, **changes})
+    assert str(error.value) == text
+
+
+def test_absent_parts_of_the_sea_are_absent():
+    parts = parts_of(scene.from_dict({**WIRE, "waves": {"amplitude": 1.0}}), "chain")
+    assert parts.finite_depth is None and parts.stretched is None and parts.cut is None
