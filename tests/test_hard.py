@@ -51,7 +51,8 @@ def test_the_ledger_of_a_wire_in_water_closes():
         load("hard/snap"),
         {"cable.axial_damping": 0.0, "cable.axial_stiffness": 1e6, "cable.added_mass_coefficient": 1.0, "solver.slack_damping": 0.0,
          "solver.nodes": 26, "solver.lambda_infinity": -0.9, "run.duration": 12.0, "waves.amplitude": 1.0, "waves.period": 7.0,
-         "current.speed": 0.5},
+         "current.speed": 0.5,
+         "top.motion": [{"kind": "sinusoid", "axis": "z", "amplitude": 1.0, "angular_frequency": 0.8, "ramp_time": 4.0}]},
     )  # fmt: skip
     run = record(wire)
     assert np.abs(run.excess).max() < 1e-4 * run.weight * run.scene.cable.length
@@ -76,7 +77,7 @@ def test_each_rule_fails_on_a_doctored_run(smooth, doctored, judged):
 
 def test_refinement_and_communication_rules_fail_on_other_paths(smooth):
     moved = dataclasses.replace(smooth, outputs=smooth.outputs + 0.02)
-    first, second = rules.converges(smooth, smooth, moved, 2.0, 0.01)
+    first, second = rules.converges(smooth, smooth, moved, 2.0, 0.01)  # the finest moves away
     assert first.holds and not second.holds
     assert not rules.converges(smooth, moved, moved, 2.0, 0.01)[0].holds
     assert not rules.ignores_communication(smooth, moved, 2.0).holds

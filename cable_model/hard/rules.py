@@ -76,11 +76,14 @@ def _gap(a: Record, b: Record, until: float) -> float:
 
 
 def converges(run: Record, finer: Record, finest: Record, chaos: float, tolerance: float) -> list[Finding]:
-    """(d) Twice the nodes and a quarter of the step change the lower end's path little until chaos, and again less."""
+    """(d) Twice the nodes and a quarter of the step change the lower end's path little until chaos, and again less.
+
+    A difference of a tenth of the tolerance need not fall any more: there the statics' own tolerance shows.
+    """
     first, second = _gap(run, finer, chaos), _gap(finer, finest, chaos)
     return [
         _below("d", first, tolerance, "path against a finer run, over L"),
-        _below("d", second, max(first, 1e-9), "and the finer run against the next"),
+        _below("d", second, max(first, 0.1 * tolerance), "and the finer run against the next"),
     ]
 
 
