@@ -5,9 +5,12 @@ Times are machine-dependent; the ratios to the bare chain are what to read.
 
 from __future__ import annotations
 
+import platform
 import statistics
 import time
 from dataclasses import dataclass
+
+import numba
 
 from cable_model.model import Model
 from cable_model.models import MODELS
@@ -22,6 +25,8 @@ BARE = {
     "run": {"duration": 2.0, "output_step": 0.1},
 }
 WATER = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
+SEA = {"waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
+SEABED = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
 CASES: dict[str, dict[str, object]] = {
     "bare chain": {},
     "bare chain, absent effects named with 0": {
@@ -37,6 +42,15 @@ CASES: dict[str, dict[str, object]] = {
     "water": WATER,
     "water and current": {**WATER, "current.speed": 0.1},
     "water and waves": {**WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
+    "water and 20 waves": {**WATER, **SEA},
+    "water and 60 waves": {**WATER, **SEA, "waves.components": 60},
+    "water and 20 waves, finite depth": {**WATER, **SEA, "water.depth": 10.0},
+    "water and 20 waves, stretched": {**WATER, **SEA, "waves.surface": "wheeler"},
+    "water and 20 waves, cut": {**WATER, **SEA, "waves.surface": "cut"},
+    "seabed": SEABED,
+    "seabed and friction": {**SEABED, "seabed.friction_coefficient": 0.3},
+    "winch": {"winch.fitted": True},
+    "table of the axial stiffness": {"cable.stiffness_curve": [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]},
     "space": {"solver.space": True},
     "space and bending": {"solver.space": True, "cable.bending_stiffness": 5e-6},
     "box grid": {"solver.grid": "box"},
@@ -91,3 +105,19 @@ def measure(names: list[str] | None = None, repetitions: int = 7) -> list[Cost]:
         )
         for name in names
     ]
+
+
+def markdown(costs: list[Cost]) -> str:
+    """The costs as a table, with what they were measured on."""
+    lines = [
+        "# What each effect costs",
+        "",
+        "Written by `python -m cable_model bench -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect switched on alone; medians",
+        "of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
+        f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}.",
+        "",
+        "| effects | us per node and Newton iteration | iterations per step | ratio to the bare chain |",
+        "|---|---:|---:|---:|",
+    ]
+    lines += [f"| {c.name} | {c.microseconds:.3f} | {c.iterations:.2f} | {c.ratio:.2f} |" for c in costs]
+    return "\n".join(lines) + "\n"

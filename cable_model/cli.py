@@ -205,16 +205,24 @@ def check(
 
 
 @app.command()
-def bench(repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7) -> None:
+def bench(
+    repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown too")] = None,
+) -> None:
     """Measure what each effect costs on this machine, switched on alone."""
-    from cable_model.benchmark import measure
+    from cable_model.benchmark import markdown, measure
 
     table = Table(title="Cost of the chain's kernels, forced chain of 101 nodes")
     for column in ("effects", "us per node and iteration", "iterations per step", "ratio to the bare chain"):
         table.add_column(column, justify="left" if column == "effects" else "right")
-    for cost in measure(repetitions=repetitions):
+    costs = measure(repetitions=repetitions)
+    for cost in costs:
         table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
     console.print(table)
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(markdown(costs), encoding="utf-8")
+        console.print(f"wrote {output}")
 
 
 @app.command()

@@ -152,11 +152,12 @@ def scene_name(name: str) -> str:
 def _inputs(scene: Scene) -> list[Variable]:
     starts = (*scene.top.position, *([0.0] * 6))
     rows = []
-    for name, start in zip(INPUTS, starts, strict=True):
+    for name, start in zip(INPUTS[:-1], starts, strict=True):
         kind, axis = name.removeprefix("top.")[:-1], name[-1]
         unit, text = _INPUT_FACTS[kind]
         rows.append(Variable(name, "input", "continuous", "Real", unit, text.format(axis), start, nominal=1.0))
-    return rows
+    text = "speed at which the winch pays cable out (needs winch.fitted)"
+    return [*rows, Variable("winch.speed", "input", "continuous", "Real", "m/s", text, 0.0, nominal=1.0)]
 
 
 def _outputs() -> list[Variable]:

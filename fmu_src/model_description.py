@@ -16,6 +16,7 @@ UNITS: dict[str, dict[str, int]] = {  # exponents of the SI base units
     "N": {"kg": 1, "m": 1, "s": -2},
     "N.m2": {"kg": 1, "m": 3, "s": -2},
     "N.s": {"kg": 1, "m": 1, "s": -1},
+    "Pa/m": {"kg": 1, "m": -2, "s": -2},
     "kg": {"kg": 1},
     "kg/m": {"kg": 1, "m": -1},
     "kg/m3": {"kg": 1, "m": -3},

@@ -55,7 +55,7 @@ def test_the_ledger_of_a_wire_in_water_closes():
          "top.motion": [{"kind": "sinusoid", "axis": "z", "amplitude": 1.0, "angular_frequency": 0.8, "ramp_time": 4.0}]},
     )  # fmt: skip
     run = record(wire)
-    assert np.abs(run.excess).max() < 1e-4 * run.weight * run.scene.cable.length
+    assert np.abs(run.excess).max() < 1e-6 * run.weight * run.scene.cable.length
 
 
 @pytest.mark.parametrize(
