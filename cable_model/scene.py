@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.kernels.family import INTEGRATORS
@@ -90,15 +89,10 @@ def check_consistency(scene: Scene) -> None:
 
 
 def _check_seabed(scene: Scene) -> None:
-    level = scene.seabed.level
     if scene.cable.diameter == 0.0:
         raise refuse("cable.diameter", 0.0, "m", "> 0 on a seabed", "Give the diameter, or remove [seabed].")
     if scene.solver.grid == "box":
         raise refuse("seabed.stiffness", scene.seabed.stiffness, "Pa/m", "0 on the box grid", 'Set solver.grid = "staggered".')
-    if scene.top.position[2] < level:
-        raise refuse("top.position[2]", scene.top.position[2], "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the top.")
-    if scene.lower_end.anchored and scene.lower_end.z < level:
-        raise refuse("lower_end.z", scene.lower_end.z, "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the anchor.")
 
 
 def _check_speeds(winch: Winch) -> None:
@@ -175,6 +169,8 @@ def _curve_table(cable: Cable) -> np.ndarray | None:
     """Rows of strain, tension and slope of a monotone cubic interpolation."""
     if not cable.stiffness_curve:
         return None
+    from scipy.interpolate import PchipInterpolator  # here only: FMUs do without scipy
+
     rows = np.array(cable.stiffness_curve)
     slopes = PchipInterpolator(rows[:, 0], rows[:, 1]).derivative()(rows[:, 0])
     secants = np.diff(rows[:, 1]) / np.diff(rows[:, 0])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.integrate import cumulative_simpson
 
 from cable_model.errors import refuse
 from cable_model.kernels.waves import wave_number
@@ -33,6 +32,8 @@ def _from_spectrum(waves: Waves) -> np.ndarray:
 
     The frequencies have no common period, so the sea does not repeat itself.
     """
+    from scipy.integrate import cumulative_simpson  # here only: FMUs do without scipy
+
     peak = 2.0 * math.pi / waves.peak_period
     omega = peak * np.geomspace(LOWEST, HIGHEST, 20001)
     energy = cumulative_simpson(spectral_density(waves, omega), x=omega, initial=0.0)

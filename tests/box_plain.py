@@ -17,7 +17,7 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.problem import Body, Cable, Parts, Water
 from cable_model.kernels.staggered_step import Numeric, Problem
 
-WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3]])
+WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]])
 SHEARED = np.array([[-5.0, 0.2, 0.0], [-0.5, 1.0, 0.0], [1.0, 2.0, 0.0]])
 STILL, FLOWING, WAVY = (True, None, None), (True, SHEARED, None), (True, SHEARED, WAVES)
 
@@ -56,6 +56,7 @@ class Step:
             Water(3.0, 0.4, 0.2, 0.3) if parts.water else None,
             Body(1.3, 0.4, 0.2, 9.0, 2.0) if parts.body else None,
             Numeric(0.0, 0.0, 0.3 if parts.voigt else 0.0, 0.02 if parts.bending else 0.0, pull, 1e-9),
+            None,
         )
         to_rate = 1.0 / (self.c.gamma * self.h)
         gain = 1.0 - self.c.alpha_k

@@ -114,7 +114,7 @@ def test_values_that_do_not_go_together_are_refused(changes, text):
         (top(x=np.nan), "top.x = nan m: must be finite. Check what is connected to this input."),
         (top(vz=np.inf), "top.vz = inf m/s: must be finite. Check what is connected to this input."),
         (top(ay=-np.inf), "top.ay = -inf m/s2: must be finite. Check what is connected to this input."),
-        (np.zeros(8), "inputs = (8,): must be (9,). Give position, velocity and acceleration of the top."),
+        (np.zeros(8), "inputs = (8,): must be (10,). Give position, velocity and acceleration of the top, and the winch's speed."),
     ],
     ids=["nan", "inf", "-inf", "shape"],
 )

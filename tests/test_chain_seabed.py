@@ -145,11 +145,22 @@ def test_a_plane_mooring_in_space_is_the_plane_mooring():
     [
         ({"cable__diameter": 0.0}, "cable.diameter = 0 m: must be > 0 on a seabed. Give the diameter, or remove [seabed]."),
         ({"solver__grid": "box"}, 'seabed.stiffness = 3000000000 Pa/m: must be 0 on the box grid. Set solver.grid = "staggered".'),
-        ({"top__position": [0.0, 0.0, -4.0]}, "top.position[2] = -4 m: must be >= seabed.level = -3. Lower the seabed or lift the top."),
-        ({"lower_end__z": -3.5}, "lower_end.z = -3.5 m: must be >= seabed.level = -3. Lower the seabed or lift the anchor."),
     ],
 )
 def test_a_seabed_that_does_not_fit_is_refused(changes, text):
     with pytest.raises(ParameterError) as error:
         make(MOORING, **changes)
+    assert str(error.value) == text
+
+
+@pytest.mark.parametrize(
+    ("top", "changes", "text"),
+    [
+        ((32.5, 0.0, -4.0), {}, "top.z = -4 m: must be >= seabed.level = -3. Lower the seabed or lift the top."),
+        (TOP, {"lower_end__z": -3.5}, "lower_end.z = -3.5 m: must be >= seabed.level = -3. Lower the seabed or lift the anchor."),
+    ],
+)
+def test_ends_below_the_seabed_are_refused_at_the_start(top, changes, text):
+    with pytest.raises(ParameterError) as error:
+        make(MOORING, **changes).initialize(still(top)(0.0))
     assert str(error.value) == text

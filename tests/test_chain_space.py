@@ -42,4 +42,4 @@ def test_a_scene_turned_about_the_vertical_turns_its_answer(angle):
         expected = (c * x - s * y, s * x + c * y, z)
         for axis, values in zip("xyz", expected, strict=True):
             assert second[name.format(axis)] == pytest.approx(values, abs=1e-9 * scale)
-    assert np.ptp(first["body.y"]) > 0.1  # it does leave the plane
+    assert np.ptp(first["body.y"]) > 0.05  # it does leave the plane

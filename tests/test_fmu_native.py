@@ -226,7 +226,7 @@ def test_a_host_without_python_gets_the_same_bits_in_two_threads_and_all_memory_
     command = [str(build.compiler()), "-Wall", "-Wextra", "-Werror", "-O1", f"-I{build.fmi_headers()}", "-o", str(host), str(source)]
     subprocess.run([*command, "-ldl", "-lpthread"], check=True)
     guid, count = fmpy.read_model_description(str(fmu.path)).guid, 40
-    inputs = np.array([sway(k * STEP) for k in range(count)])
+    inputs = np.array([[*sway(k * STEP), 0.0] for k in range(count)])
     arguments = [str(library_of(fmu)), guid, str(count), repr(STEP), str(len(OUTPUTS)), str(len(INPUTS)), "threads"]
     lines = "\n".join(" ".join(map(repr, row)) for row in inputs.tolist())
     done = subprocess.run([str(host), *arguments], input=lines, capture_output=True, text=True, env={}, check=False)
@@ -302,11 +302,11 @@ def test_a_restored_run_is_bit_identical(fmu: Fmu, order: int):
 
 def test_a_state_holds_the_inputs_and_the_outputs(fmu: Fmu):
     instance = started(fmu)
-    instance.set_inputs(np.arange(9.0))
+    instance.set_inputs(np.arange(float(len(INPUTS))))
     outputs, state = instance.outputs(), instance.slave.getFMUstate()
     instance.slave.reset()
     instance.slave.setFMUstate(state)
-    assert [instance.get(name) for name in INPUTS] == list(range(9))
+    assert [instance.get(name) for name in INPUTS] == list(range(len(INPUTS)))
     assert np.array_equal(instance.outputs(), outputs)
     instance.close()
 

@@ -27,7 +27,7 @@ def states(count, seed):
 
 
 def kernel_numbers(changes):
-    values = NUMBERS | {"tow.body_angle": 18.0} | changes
+    values = NUMBERS | {"tow.body_angle": 18.0, "cable.volume_per_length": -1.0} | changes
     return np.array([values.get(name, 0.0) for name in PARAMETERS])
 
 
@@ -254,9 +254,9 @@ def test_the_diameter_at_the_reference_tension_is_the_given_one():
 
 def test_waves_are_free_of_divergence_and_the_printed_ones_are_not():
     def divergence(as_printed):
-        d = 1e-4
-        x1 = kernels.wave_velocity(WAVES, as_printed, 3.0 + d, 4.0, 1.0)[0] - kernels.wave_velocity(WAVES, as_printed, 3.0 - d, 4.0, 1.0)[0]
-        y1 = kernels.wave_velocity(WAVES, as_printed, 3.0, 4.0 + d, 1.0)[1] - kernels.wave_velocity(WAVES, as_printed, 3.0, 4.0 - d, 1.0)[1]
+        d, parts = 1e-4, Parts(waves=WAVES, as_printed=as_printed)
+        x1 = kernels.wave_velocity(parts, 3.0 + d, 4.0, 1.0)[0] - kernels.wave_velocity(parts, 3.0 - d, 4.0, 1.0)[0]
+        y1 = kernels.wave_velocity(parts, 3.0, 4.0 + d, 1.0)[1] - kernels.wave_velocity(parts, 3.0, 4.0 - d, 1.0)[1]
         return (x1 + y1) / (2.0 * d), abs(x1) / (2.0 * d)
 
     gap, size = divergence(None)
@@ -269,7 +269,7 @@ def test_wangs_tangential_coefficient_multiplies_the_diameter():
     """[Wang 1971, eq 44] without a pi; half of a hoist's drag works on the stretch, its point being in the middle on average."""
     c = kernels.constants(WET, kernel_numbers({"tow.poisson_ratio": 0.0, "tow.reference_tension": 0.0}))
     hoist = (0.0, 0.0, 0.0, 0.0, -2.0, 0.0)
-    q_phi, q_u, fx, fy = kernels.cable_drag(True, None, None, None, c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
+    q_phi, q_u, fx, fy = kernels.cable_drag(True, Parts(), c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
     assert fy == pytest.approx(0.5 * 1025.0 * 0.02 * 60.0 * 0.03 * 2.0**2, rel=1e-12)
     assert q_u == pytest.approx(0.5 * fy, rel=1e-12)
     assert (q_phi, fx) == (0.0, 0.0)

@@ -37,7 +37,7 @@ NUMBERS = {
     "solver.tolerance": 1e-8,
 }
 SHEAR = np.array([[-80.0, -0.1, 0.0], [-40.0, 0.4, 0.0], [-5.0, 1.1, 0.0], [0.0, 1.3, 0.0]])
-WAVES = np.array([[0.8, 0.9, 0.9**2 / 9.81, 0.0, 0.4], [0.3, 1.7, 1.7**2 / 9.81, np.pi, -1.0]])
+WAVES = np.array([[0.8, 0.9, 0.9**2 / 9.81, 0.0, 0.4, 0.0], [0.3, 1.7, 1.7**2 / 9.81, np.pi, -1.0, 0.0]])
 WET = Parts(voigt=True, body=True, water=True, current=SHEAR, cable_mass=True)
 DRY = Parts(body=True, cable_mass=True)
 
@@ -97,7 +97,7 @@ class Reference:
         if self.parts.current is not None:
             vx += np.interp(-y, self.parts.current[:, 0], self.parts.current[:, 1])
         if self.parts.waves is not None:
-            for a, omega, k, direction, phase in self.parts.waves:
+            for a, omega, k, direction, phase, _ in self.parts.waves:
                 side = np.sign(np.cos(direction))
                 angle = k * side * x - omega * time + phase
                 size = a * omega * np.exp(-k * max(y, 0.0))
