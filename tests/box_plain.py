@@ -146,7 +146,7 @@ def wet_frequencies():
 def natural_frequencies(n, weight=1.0, water=None, bending=1e-6):
     """Of a chain of unit length, mass and gravity with the top hinged."""
     like = unknowns(True)
-    problem = Problem(Cable(1.0, 0.01, 1.0, 1e9, 1.0, weight), water, None, Numeric(0.0, 0.0, 0.0, bending, 0.0, 1e-9))
+    problem = Problem(Cable(1.0, 0.01, 1.0, 1e9, 1.0, weight), water, None, Numeric(0.0, 0.0, 0.0, bending, 0.0, 1e-9), None)
     parts = Parts(box=True, bending=True, water=True if water else None)
     mesh = np.full((n - 1, 2), 1.0 / (n - 1))
     y = np.zeros((n, 6))

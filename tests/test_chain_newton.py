@@ -183,11 +183,14 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         step.assemble(v1, force)
         step.solve()
         _update_tensions(parts.slack, step.problem.numeric.smoothing, s.cells, step.n)
+        contacts = step.contacts
         seabed.update_contacts(parts.seabed, step.problem.ground, step.now.mesh, s.x, s.contact)
         step.contacts = s.contact[:, seabed.FORCE].copy()
         v1 += s.x[: step.n]
         new = s.cells[: step.n - 1, 0].copy()
-        sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new))))  # m/s, and share of the tension
+        pressed = np.abs(step.contacts - contacts)[: step.n - 1] / np.abs(step.contacts[: step.n - 1]) if parts.seabed else 0.0
+        # m/s, and shares of the tensions and of the seabed's forces
+        sizes.append(max(np.max(np.abs(s.x[: step.n])), np.max(np.abs(new - force) / np.abs(new)), np.max(pressed)))
         force = new
     near = [(before, after) for before, after in itertools.pairwise(sizes) if before < 0.1]
     assert len(near) >= 2
