@@ -112,8 +112,8 @@ def markdown(costs: list[Cost]) -> str:
     lines = [
         "# What each effect costs",
         "",
-        "Written by `python -m cable_model bench -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect switched on alone; medians",
-        "of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
+        "Written by `python -m cable_model bench -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect alone;",
+        "medians of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
         f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}.",
         "",
         "| effects | us per node and Newton iteration | iterations per step | ratio to the bare chain |",

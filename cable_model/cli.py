@@ -23,7 +23,9 @@ from cable_model.simulation import COLUMNS, Result, read_csv, simulate, write_cs
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help="Underwater and hanging cables under a moving top end.")
 console = Console()
-SceneArgument = Annotated[str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(name for name in shipped() if "/" not in name))]
+SceneArgument = Annotated[
+    str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(name for name in shipped() if "/" not in name))
+]
 
 
 class Choice(StrEnum):

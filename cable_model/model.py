@@ -79,7 +79,10 @@ class Model:
         top.remember(order, self.state, inputs, step)
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
-        """One step with the top's motion known at both ends, (10,) each: position, velocity, acceleration, winch speed; or (9,) without a winch."""
+        """One step with the top's motion known at both ends, (10,) each: position, velocity, acceleration, winch speed.
+
+        Without a winch (9,) will do.
+        """
         step = self._positive(step)
         start, end = self._finite(start), self._finite(end)
         top.quintic(start, end, step, self._path)
@@ -134,7 +137,13 @@ class Model:
         if inputs.shape == (9,):  # the winch stands still
             inputs = np.append(inputs, 0.0)
         if inputs.shape != (len(INPUTS),):
-            raise refuse("inputs", inputs.shape, "", f"({len(INPUTS)},)", "Give position, velocity and acceleration of the top, and the winch's speed.")
+            raise refuse(
+                "inputs",
+                inputs.shape,
+                "",
+                f"({len(INPUTS)},)",
+                "Give position, velocity and acceleration of the top, and the winch's speed.",
+            )
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))
             raise refuse(INPUTS[first], float(inputs[first]), UNITS[first], "finite", "Check what is connected to this input.")

@@ -61,8 +61,8 @@ def _part(part: Motion, t: float, side: int) -> tuple[float, float, float]:
 def top_motion(top: Top, winch: Winch | None = None) -> TopMotion:
     """The motion that a scene's [top] and [winch] describe.
 
-    The returned function gives position, velocity, acceleration and the winch's speed, (10,), at a time; where the motion jumps, `side` +1 takes the
-    limit from after that time and -1 the one from before.
+    The returned function gives position, velocity, acceleration and the winch's speed, (10,), at a time; where the
+    motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
     """
     position = np.array(top.position)
     splines = None

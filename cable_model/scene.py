@@ -132,7 +132,9 @@ def load(scene: str | Path) -> Scene:
         if str(scene) in known:
             path = known[str(scene)]
         elif path.suffix == ".toml":
-            raise ParameterError(f"{scene}: no such file. Give the path of a scene, or one of: {', '.join(name for name in known if '/' not in name)}.")
+            raise ParameterError(
+                f"{scene}: no such file. Give the path of a scene, or one of: {', '.join(name for name in known if '/' not in name)}."
+            )
         else:
             raise unknown(str(scene), known, "scene")
     try:

@@ -1,6 +1,6 @@
 """Checks of the box grid that need many variants but few numbers; run as a script without numba they print JSON.
 
-    NUMBA_DISABLE_JIT=1 python box_plain.py
+NUMBA_DISABLE_JIT=1 python box_plain.py
 """
 
 import itertools

@@ -176,9 +176,7 @@ def test_collapse_of_the_paper_runs_through_with_its_geometry_intact(ramp_time):
 def test_error_control_buys_accuracy_with_steps():
     motion = swing((0.02, 0.0, 0.0), SECOND_MODE)
     soft = {"cable__axial_stiffness": 100.0 * WEIGHT, "solver__time_step": 0.05}
-    answers = [
-        drive(make(BOX, solver__tolerance=tolerance, **soft), every(0.1, 2.0), motion) for tolerance in (1e-2, 1e-4, 1e-6)
-    ]
+    answers = [drive(make(BOX, solver__tolerance=tolerance, **soft), every(0.1, 2.0), motion) for tolerance in (1e-2, 1e-4, 1e-6)]
     errors = [np.max(np.abs(a["body.x"] - answers[-1]["body.x"])) for a in answers[:-1]]
     assert errors[1] < 0.1 * errors[0]
     assert answers[0]["solver.steps"][-1] < answers[1]["solver.steps"][-1]

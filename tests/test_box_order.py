@@ -47,9 +47,7 @@ def test_lambda_of_minus_a_half_is_second_order_with_fixed_and_with_changing_ste
 )
 def test_members_of_the_family_have_their_order(integrator, lam, order):
     steps = (0.01, 0.005, 0.0025, 0.00125) if order == 2 else (0.0025, 0.00125, 0.000625)
-    orders = orders_in_time(
-        SOFT, SWAY, steps, 2.0, np.ones(10), "body.x", solver__integrator=integrator, solver__lambda_infinity=lam
-    )
+    orders = orders_in_time(SOFT, SWAY, steps, 2.0, np.ones(10), "body.x", solver__integrator=integrator, solver__lambda_infinity=lam)
     assert orders[-1] == pytest.approx(order, abs=0.1)
 
 

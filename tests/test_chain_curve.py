@@ -76,7 +76,11 @@ def test_a_straight_table_is_the_linear_law():
 @pytest.mark.parametrize(
     ("rows", "changes", "text"),
     [
-        ([[0.0, 0.0], [0.1, 5.0], [0.05, 9.0]], {}, "cable.stiffness_curve = 3 rows: must be [0, 0] and rows of rising strain and tension."),
+        (
+            [[0.0, 0.0], [0.1, 5.0], [0.05, 9.0]],
+            {},
+            "cable.stiffness_curve = 3 rows: must be [0, 0] and rows of rising strain and tension.",
+        ),
         ([[0.01, 0.0], [0.1, 5.0]], {}, "cable.stiffness_curve = 2 rows: must be [0, 0] and rows of rising strain and tension."),
         ([[0.0, 0.0], [0.1, 5.0]], {"solver__grid": "box"}, "cable.stiffness_curve = 2 rows: must be empty on the box grid."),
     ],

@@ -29,7 +29,22 @@ def dense(model, gains: Gains) -> np.ndarray:
     s.cells[: n - 1, 2] = np.linalg.norm(now.y[: n - 1], axis=1)
     s.cells[: n - 1, 3 : 3 + d] = now.y[: n - 1] / s.cells[: n - 1, 2:3]
     problem = chain.build(model.parts, model.numbers, 0.0)
-    assemble(model.parts, problem, gains, now.mesh, now.y[: n - 1], now.y[n:], np.zeros((n, d)), (0.0,) * d, 0.0, 0, s.bands, s.x, s.cells, s.contact)
+    assemble(
+        model.parts,
+        problem,
+        gains,
+        now.mesh,
+        now.y[: n - 1],
+        now.y[n:],
+        np.zeros((n, d)),
+        (0.0,) * d,
+        0.0,
+        0,
+        s.bands,
+        s.x,
+        s.cells,
+        s.contact,
+    )
     full, _ = with_tensions(unroll(s.bands, n, d, bool(model.parts.bending)), s.x, s.cells, n)
     return full[: (n - 1) * d, : (n - 1) * d]
 

@@ -69,7 +69,9 @@ class Step:
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
-        assemble(self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells, s.contact)
+        assemble(
+            self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells, s.contact
+        )
         full, right = with_tensions(unroll(s.bands, self.n, self.d, bool(self.model.parts.bending)), s.x, s.cells, self.n)
         return -right, full
 
@@ -91,8 +93,8 @@ class Step:
 
 
 GROUND = {
-    "cable__diameter": 0.01, "lower_end__anchored": True, "lower_end__x": 0.9, "lower_end__z": -1.9, "seabed__level": -1.9, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4,
-    "seabed__friction_velocity": 0.2,
+    "cable__diameter": 0.01, "lower_end__anchored": True, "lower_end__x": 0.9, "lower_end__z": -1.9,
+    "seabed__level": -1.9, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4, "seabed__friction_velocity": 0.2,
 }  # fmt: skip
 SCENES = {
     "plane": (PLAIN, {}),

@@ -176,7 +176,9 @@ def test_what_winches_cannot_do_is_refused():
     tow = TowCable(scene.with_values(scene.from_dict({**LOAD, "winch": {}}), {"body.mass": 100.0}))
     for model in (fixed, tow):
         model.initialize(np.zeros(10))
-        with pytest.raises(SolverError, match=r"the winch turned, but the cable has none. Leave winch.speed at 0, or set winch.fitted = true"):
+        with pytest.raises(
+            SolverError, match=r"the winch turned, but the cable has none. Leave winch.speed at 0, or set winch.fitted = true"
+        ):
             model.step(0.0, 0.1, turning)
     hauled = make(LOAD)
     hauled.initialize(np.zeros(10))

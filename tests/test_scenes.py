@@ -68,7 +68,9 @@ def test_an_unknown_scene_names_the_nearest_shipped_one():
 
 
 def test_a_missing_file_an_empty_file_and_a_broken_file_get_one_error_each(tmp_path):
-    with pytest.raises(ParameterError, match=r"nothing\.toml: no such file\. Give the path of a scene, or one of: basin_chain, dale_sphere, "):
+    with pytest.raises(
+        ParameterError, match=r"nothing\.toml: no such file\. Give the path of a scene, or one of: basin_chain, dale_sphere, "
+    ):
         load(tmp_path / "nothing.toml")
     (tmp_path / "empty.toml").write_text("# nothing\n")
     with pytest.raises(ParameterError, match=r"empty\.toml: an empty scene\. Give at least \[cable\] with length, "):

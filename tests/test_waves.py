@@ -160,7 +160,8 @@ def test_tow_cable_feels_the_irregular_sea():
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
-        ({"waves": {"spectrum": "jonswap"}}, "waves.significant_height = 0 m: must be > 0 with a spectrum. Give the significant wave height."),
+        ({"waves": {"spectrum": "jonswap"}},
+         "waves.significant_height = 0 m: must be > 0 with a spectrum. Give the significant wave height."),
         ({"waves": {"spectrum": "jonswap", "significant_height": 2.0, "amplitude": 1.0}},
          "waves = 2 kinds: must be one of amplitude, spectrum and table. Keep one of them."),
         ({"waves": {"table": [[1.0, 0.0, 0.0, 0.0]]}},

@@ -59,14 +59,19 @@ BOX = (
     Variant("box grid, lambda 0", {"solver.grid": "box", "solver.lambda_infinity": 0.0}, judged=False, refined=False),
 )
 COLLAPSE = tuple(
-    grid_of(nodes, step, lam, stiffness) for stiffness in (1e4, 1e9) for nodes in (100, 200) for step in (0.01, 0.001) for lam in (-0.5, -0.7)
+    grid_of(nodes, step, lam, stiffness)
+    for stiffness in (1e4, 1e9)
+    for nodes in (100, 200)
+    for step in (0.01, 0.001)
+    for lam in (-0.5, -0.7)
 )
 FIRST_MODE = 2.8469  # rad/s
 WHIRLS = tuple(
     Variant(
         f"{factor:g} of the first mode",
         {"top.motion": [
-            {"kind": "sinusoid", "axis": "x", "amplitude": 0.05, "angular_frequency": factor * FIRST_MODE, "ramp_time": 1.0, "ramp": "cubic"},
+            {"kind": "sinusoid", "axis": "x", "amplitude": 0.05, "angular_frequency": factor * FIRST_MODE, "ramp_time": 1.0,
+             "ramp": "cubic"},
             {"kind": "sinusoid", "axis": "y", "amplitude": 5e-5, "angular_frequency": math.pi, "stop": 1.0},
         ]},
     )
@@ -80,9 +85,7 @@ PEERS_WHIRL = Variant(
     ]},
     judged=True,
 )  # fmt: skip
-STIFFNESSES = tuple(
-    Variant(f"EA/W {10.0**k:.0e}", {"cable.axial_stiffness": 10.0**k * CHAIN}) for k in (2, 4, 6, 8, 10, 12)
-)
+STIFFNESSES = tuple(Variant(f"EA/W {10.0**k:.0e}", {"cable.axial_stiffness": 10.0**k * CHAIN}) for k in (2, 4, 6, 8, 10, 12))
 INEXTENSIBLE = Variant(
     "inextensible, box grid, n 201", {"solver.grid": "box", "cable.inextensible": True, "solver.nodes": 201}, judged=False, refined=False
 )
@@ -100,9 +103,7 @@ SNAPS = tuple(
     for nodes, step in ((26, 0.02), (51, 0.01), (101, 0.005), (201, 0.0025))
 )
 
-SLACK = tuple(
-    Variant(variant.label, {**variant.changes, "top.motion": [HEAVE_4S]}, refined=variant.refined) for variant in SNAPS
-)
+SLACK = tuple(Variant(variant.label, {**variant.changes, "top.motion": [HEAVE_4S]}, refined=variant.refined) for variant in SNAPS)
 BOTH = (Variant("lambda -0.5"), Variant("lambda -0.9", {"solver.lambda_infinity": -0.9}))
 FINE = {"solver.nodes": 200, "solver.time_step": 0.001}
 

@@ -29,7 +29,9 @@ def folded_fall(runs: Runs) -> list[Finding]:
         fallen = run.body[0, 2] - np.interp(times, run.times, run.body[:, 2])
         miss = np.abs(fallen - path.sol(times)[0]).max() / length
         peak = run["top.tension"].max() / run.weight
-        found.append(Finding("+", miss, 0.02, bool(miss <= 0.02), f"{label}: fall against the closed form over L; peak tension {peak:.3g} W"))
+        found.append(
+            Finding("+", miss, 0.02, bool(miss <= 0.02), f"{label}: fall against the closed form over L; peak tension {peak:.3g} W")
+        )
     return found
 
 

@@ -51,13 +51,20 @@ def write(folder: Path, verdicts: Sequence[Verdict], further: Mapping[str, Seque
         csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
     keys = list(dict.fromkeys(verdict.case.key for verdict in verdicts))
     text = ["# The hard cases", ""]
-    text += ["Written by `python -m cable_model hard -o docs/hard`; rules in `cable_model/hard/rules.py`, scenes in `cable_model/scenes/hard/`.", ""]
+    text += [
+        "Written by `python -m cable_model hard -o docs/hard`; rules in `cable_model/hard/rules.py`, scenes in `cable_model/scenes/hard/`.",
+        "",
+    ]
     for key in keys:
         own = [verdict for verdict in verdicts if verdict.case.key == key]
         text += [f"## {key}: {own[0].run.scene.title}", "", f"![{key}]({picture_name(key)})", ""]
         text += ["| " + " | ".join(HEAD[1:]) + " |", "|" + "---|" * (len(HEAD) - 1)]
         text += ["| " + " | ".join(line[1:]) + " |" for line in rows if line[0] == key]
-        text += ["", *(f"- {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})" for f in further.get(key, ())), ""]
+        text += [
+            "",
+            *(f"- {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})" for f in further.get(key, ())),
+            "",
+        ]
         draw(folder / picture_name(key), own)
     if "H15" in further:
         text += ["## H15: bad input", ""]

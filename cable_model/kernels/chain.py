@@ -203,9 +203,7 @@ def set_off(parts, p, time, state, work):
     top = _top_at(parts, state, 0)
     state[header.MESH_LENGTH] = problem.cable.length
     winding = _winding_now(parts.winch, problem, state)
-    status = grid.starting_rates(
-        parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), winding, time
-    )
+    status = grid.starting_rates(parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), winding, time)
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):

@@ -4,8 +4,9 @@ Per node with the length l of cable that it carries, at height z above the botto
 
     f = -K d l (z + lag w),   N = (f + sqrt(f^2 + w0^2))/2,   friction = -mu N u / sqrt(|u|^2 + u0^2)
 
-K the stiffness in Pa/m, lag = 2 zeta sqrt(m/(K d)) but at least one time step (in statics none).  f is taken at the new time, not at the averaged one: a
-node that lands is then at rest after a step, while the average of its velocities would let it ring with lambda_infinity.
+K the stiffness in Pa/m, lag = 2 zeta sqrt(m/(K d)) but at least one time step (in statics none).  f is taken at the new time,
+not at the averaged one: a node that lands is then at rest after a step, while the average of its velocities would let it ring
+with lambda_infinity.
 N is an unknown in the barrier form of slack.py; as it belongs to one node it is condensed there.
 """
 
@@ -113,8 +114,6 @@ def _load(present, friction, ground, gains, mesh, i, position, v, contact):
 
 
 node_load = by_presence(_no_load, _load)  # what the seabed adds to the residual of a node, and its derivative by the velocity
-
-
 
 
 @kernel

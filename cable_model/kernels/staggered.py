@@ -157,9 +157,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         stiffness -= damping * _lengthening(parts.winch, gains, 1.0)
         along = mix(slope * gains.q * stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
-        thrown, low_wound, up_wound, low_rate, up_rate = wound(
-            parts.winch, gains, cable.mass, h, split, arc + split * h, qi, dv
-        )
+        thrown, low_wound, up_wound, low_rate, up_rate = wound(parts.winch, gains, cable.mass, h, split, arc + split * h, qi, dv)
         pull = axpy(-thrown, qi, scale(force, t))
         firm = force * inv * gains.q / h
         k = add_matrix(diagonal(firm - thrown * gains.q / h, like), scale_matrix(-firm, outer(t, t_new)))

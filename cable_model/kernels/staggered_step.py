@@ -176,7 +176,7 @@ def _update_tensions(slack, smoothing, cells, n):
 
 @kernel
 def _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top):
-    """Where the cable's own motion brings its top at the averaged time: where the lower end or a seabed holds it, heights count from there."""
+    """Where the cable's own motion brings its top at the averaged time: held from below, its heights count from there."""
     if parts.anchor is None and parts.seabed is None:
         return top
     n = y0.shape[0] // 2
