@@ -249,6 +249,10 @@ def hard(
         task = bar.add_task("hard cases", total=len(order))
         for verdict in runner.run_all(cases, jobs):
             verdicts.append(verdict)
+            done = [v for v in verdicts if v.case.key == verdict.case.key]
+            if len(done) == len(verdict.case.variants):  # kept, whatever comes after
+                done.sort(key=lambda v: order[v.case.key, v.variant.label])
+                report.draw(output / report.picture_name(verdict.case.key), done)
             bar.update(task, advance=1, description=f"{verdict.case.key} {verdict.variant.label}")
     verdicts.sort(key=lambda v: order[v.case.key, v.variant.label])
     further = {c.key: runner.further(c, [v for v in verdicts if v.case is c or v.case.key == c.key]) for c in cases}

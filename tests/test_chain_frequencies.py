@@ -6,7 +6,7 @@ from chain_support import HANGING, make, still, unroll, view, with_tensions
 from scipy.linalg import eigh
 from scipy.special import jn_zeros
 
-from cable_model.kernels import chain
+from cable_model.kernels.build import build
 from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
 from cable_model.kernels.staggered import assemble
 from cable_model.kernels.staggered_step import Gains, Winding, newton_step
@@ -28,7 +28,7 @@ def dense(model, gains: Gains) -> np.ndarray:
     s.cells[: n - 1, 0] = now.force
     s.cells[: n - 1, 2] = np.linalg.norm(now.y[: n - 1], axis=1)
     s.cells[: n - 1, 3 : 3 + d] = now.y[: n - 1] / s.cells[: n - 1, 2:3]
-    problem = chain.build(model.parts, model.numbers, 0.0)
+    problem = build(model.parts, model.numbers, 0.0)
     assemble(
         model.parts,
         problem,
@@ -96,7 +96,7 @@ def test_a_newton_step_amplifies_every_mode_as_the_characteristic_equation_says(
     now = view(model)
     n, h = 5, 0.02
     c = Coefficients(*coefficients(INTEGRATORS["generalized-alpha"], lam))
-    problem = chain.build(model.parts, model.numbers, 0.0)
+    problem = build(model.parts, model.numbers, 0.0)
     problem = problem._replace(numeric=problem.numeric._replace(tolerance=1e-12))
     stiffness, mass = matrices(model)
     free = [k for k in range(4 * n) if k // 2 not in (n - 1, 2 * n - 1)]  # all but the rows of the top

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view, with_tensions
 
-from cable_model.kernels import chain, seabed
+from cable_model.kernels import seabed
 from cable_model.kernels.block_elimination import solve
+from cable_model.kernels.build import build
 from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
 from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
@@ -47,7 +48,7 @@ class Step:
         self.yd0 = 0.5 * rng.standard_normal(self.y0.shape)
         self.yd0[: self.n - 1] = np.diff(self.y0[self.n :], axis=0) / self.now.mesh[:, :1]
         self.c = Coefficients(*coefficients(INTEGRATORS["generalized-alpha"], -0.5))
-        self.problem = chain.build(self.model.parts, self.model.numbers, 0.0)
+        self.problem = build(self.model.parts, self.model.numbers, 0.0)
         self.top = (0.1, -0.8) if self.d == 2 else (0.1, 0.05, -0.8)
         alpha_k, alpha_m, gamma = self.c
         reach = STEP * gamma * (1.0 - alpha_k) / (1.0 - alpha_m)  # of the position by the velocity, both new

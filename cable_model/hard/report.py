@@ -78,6 +78,7 @@ def picture_name(key: str) -> str:
 
 def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
     """Top tension, path and shapes of the lower end, and the energy excess of the first runs of a case."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     shown = [v for v in verdicts if len(v.run.times) > 2]
     judged = [v for v in shown if v.variant.judged]
     shown = (judged or shown)[:MOST_LINES]

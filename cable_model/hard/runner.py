@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -53,6 +54,12 @@ def judge(case: Case, variant: Variant) -> Verdict:
     return Verdict(case, variant, run, tuple(found))
 
 
+@functools.cache
+def _reference(scene: Scene, step: float, duration: float) -> Record:
+    """The run that the statistics of every variant of a case are held against; once a process."""
+    return record(scene, step=step, duration=duration, watch=False)
+
+
 def _against_finer(case: Case, scene: Scene, run: Record, until: float) -> list[Finding]:
     step = scene.solver.time_step
     until = step * math.floor(until / step + 1e-9)
@@ -62,7 +69,7 @@ def _against_finer(case: Case, scene: Scene, run: Record, until: float) -> list[
     if case.statistics:
         sampling = 0.01
         long = record(scene, step=max(step, sampling), duration=case.statistics, watch=False)
-        reference = record(with_values(scene, case.reference), step=sampling, duration=case.statistics, watch=False)
+        reference = _reference(with_values(load(case.scene), case.reference), sampling, case.statistics)
         found += rules.keeps_statistics(long, reference, case.chaos)
     return found
 
