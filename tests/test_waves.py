@@ -139,7 +139,9 @@ def test_a_table_of_one_row_is_the_regular_wave():
     assert np.array_equal(runs[0]["top.tension"], runs[1]["top.tension"])
 
 
-@pytest.mark.parametrize("surface", ["held", "wheeler", "cut"])
+@pytest.mark.parametrize(
+    "surface", [pytest.param("held", marks=pytest.mark.long), "wheeler", pytest.param("cut", marks=pytest.mark.long)]
+)  # each compiles
 def test_a_wire_in_an_irregular_sea_takes_three_iterations_a_step_at_most(surface):
     waves = {"spectrum": "jonswap", "significant_height": 3.0, "peak_period": 9.0, "components": 20, "surface": surface}
     model = make({**WIRE, "waves": waves, "water": {"density": 1025.0, "depth": 250.0}})
