@@ -1,4 +1,4 @@
-"""Underwater and hanging cables under a moving top end: a finite-difference chain and a two-degree-of-freedom tow model."""
+"""Underwater and hanging cables under a moving top end: a finite-difference chain and a tow model of two or three degrees of freedom."""
 
 from importlib import import_module
 from typing import Any

@@ -35,6 +35,7 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
         ("finite depth of the waves", parts.finite_depth, _number("water.depth", scene.water.depth, "m") if wet else dry),
         ("waves up to the surface as it is", parts.stretched or parts.cut, f"waves.surface = {scene.waves.surface}" if wet else dry),
         ("material axial damping", parts.voigt, _number("cable.axial_damping", cable.axial_damping, "N.s")),
+        ("motion out of the vertical plane", parts.space, f"solver.space = {str(scene.solver.space).lower()}"),
     ]
     if model == "chain":
         box = parts.box is not None
@@ -50,7 +51,6 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
             ("friction along the seabed", parts.friction, _number("seabed.friction_coefficient", scene.seabed.friction_coefficient, "")),
             ("winch", parts.winch, f"winch.fitted = {str(scene.winch.fitted).lower()}"),
             ("table of the axial stiffness", parts.curve, f"cable.stiffness_curve has {len(cable.stiffness_curve)} rows"),
-            ("motion out of the vertical plane", parts.space, f"solver.space = {str(scene.solver.space).lower()}"),
         ]
     else:
         listed += [
@@ -81,7 +81,7 @@ def unknowns_per_node(scene: Scene, model: str | None = None) -> int:
     model = model or scene.run.model
     parts = parts_of(scene, model)
     if model == "tow":
-        return 2
+        return 3 if parts.space is not None else 2
     if parts.box is not None:
         return 6 if parts.bending is not None else 4
     return 3 if parts.space is not None else 2

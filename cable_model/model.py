@@ -27,7 +27,7 @@ _REMEDIES = {
     header.NO_EQUILIBRIUM: "Check weight and current; give the cable or body some weight in water",
     header.NO_WINCH: "Leave winch.speed at 0, or set winch.fitted = true (chain only)",
     header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
-    header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true (chain only)",
+    header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
 }
 
 

@@ -79,6 +79,8 @@ def check_consistency(scene: Scene) -> None:
         raise refuse("solver.space", True, "", "false on the box grid", 'Set solver.grid = "staggered" for motion in space.')
     if scene.solver.integrator == "wbz" and scene.solver.lambda_infinity > 0.999:
         raise refuse("solver.lambda_infinity", scene.solver.lambda_infinity, "", "< 1", "Take 0 or below.")
+    if scene.tow.as_printed and scene.solver.space:
+        raise refuse("tow.as_printed", True, "", "false in space", "The report moves in one plane: set solver.space = false.")
     if not scene.solver.space:
         tilted = [("current.direction", scene.current.direction), ("waves.direction", scene.waves.direction)]
         tilted += [(f"waves.table[{i}]", row[2]) for i, row in enumerate(scene.waves.table)]
@@ -196,7 +198,7 @@ def parts_of(scene: Scene, model: str) -> Parts:
     box = chain and scene.solver.grid == "box"
     return Parts(
         box=when(box),
-        space=when(chain and scene.solver.space),
+        space=when(scene.solver.space),
         inextensible=when(box and scene.cable.inextensible),
         slack=when(chain and not box and not scene.cable.compressible),
         bending=when(chain and scene.cable.bending_stiffness > 0.0),

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from cable_model.errors import unknown
-from cable_model.kernels import header, tow, tow_step
+from cable_model.kernels import header, tow, tow_space, tow_step
 from cable_model.kernels.problem import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.signals import OUTPUTS
@@ -17,10 +17,10 @@ DEFAULTS = {"solver.time_step": 0.01, "tow.drag_segments": 10.0, "tow.body_angle
 
 
 class TowCable(Model):
-    """The two-degree-of-freedom tow model [Wang 1971, corrected].
+    """The two-degree-of-freedom tow model [Wang 1971, corrected]; three degrees of freedom with solver.space.
 
     Angle: from straight down, positive where the body is at x < x of the top, as in the report.  Validity: a straight cable,
-    in the plane y = const; lateral motion only while drag penetrates most of the length.
+    in the plane y = const unless in space; lateral motion only while drag penetrates most of the length.
     """
 
     name = "tow"
@@ -41,14 +41,21 @@ class TowCable(Model):
         return model
 
     def set_state(self, angle: float, angular_velocity: float, stretch: float, stretch_velocity: float) -> None:
-        """Replace the motion: angle rad, rad/s, stretch from zero tension m, m/s."""
+        """Replace the motion in the plane: angle rad, rad/s, stretch from zero tension m, m/s."""
         self.state[[tow.ANGLE, tow.ANGLE_RATE, tow.STRETCH, tow.STRETCH_RATE]] = angle, angular_velocity, stretch, stretch_velocity
+        self.state[header.NEXT_STEP] = 0.0
+        self._read_outputs(self.state[header.TIME])
+
+    def set_motion(self, direction: np.ndarray, turning: np.ndarray, stretch: float, stretch_velocity: float) -> None:
+        """Replace the motion in space: unit vector (3,) from the top to the body, its rate 1/s, stretch m and its rate m/s."""
+        self.state[tow_space.DIRECTION : tow_space.STATE_IN_SPACE] = *direction, *turning
+        self.state[[tow.STRETCH, tow.STRETCH_RATE]] = stretch, stretch_velocity
         self.state[header.NEXT_STEP] = 0.0
         self._read_outputs(self.state[header.TIME])
 
     @property
     def motion(self) -> np.ndarray:
-        """Angle, angular velocity, stretch, stretch velocity."""
+        """Angle, angular velocity, stretch, stretch velocity in the plane."""
         return self.state[tow.ANGLE : tow.ANGLE + 4].copy()
 
     def __getitem__(self, name: str) -> float:

@@ -6,6 +6,7 @@ from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, 
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, body_drag, cable_drag, constants
+from cable_model.kernels.tow_space import STATE_IN_SPACE, hang_in_space, node_positions_in_space
 
 SCAN = 36  # intervals on each side of the vertical in which equilibria are looked for
 
@@ -79,10 +80,41 @@ def above_floor(tension_floor, c, u):
 
 
 @kernel
+def hang_in_plane(parts, c, state):
+    state[PLANE] = state[TOP + 1]
+    phi, u, balanced = equilibrium(parts, c, state[TOP], -state[TOP + 2])
+    state[ANGLE] = phi
+    state[STRETCH] = u
+    return OK if balanced else NO_EQUILIBRIUM
+
+
+@kernel
+def hang(parts, c, state):
+    """Put the state at rest in the steady current under its top; returns a status."""
+    if parts.space is None:
+        return hang_in_plane(parts, c, state)
+    return hang_in_space(parts, c, state)
+
+
+@kernel
+def stays_in_plane(space, c, state):
+    if space is None:
+        return abs(state[TOP + 4]) <= 1e-9 * c.reference_length * c.pendulum
+    return True
+
+
+@kernel
+def state_size(parts, p):
+    if parts.space is None:
+        return STATE
+    return STATE_IN_SPACE
+
+
+@kernel
 def initialize(parts, p, time, state, work):
     """Hang the cable in equilibrium in the steady current under the top of state[TOP:TOP+9], moving with it; returns a status."""
     c = constants(parts, p)
-    if not abs(state[TOP + 4]) <= 1e-9 * c.reference_length * c.pendulum:
+    if not stays_in_plane(parts.space, c, state):
         return OUT_OF_PLANE
     for i in range(STEPS, STATE):
         if i < TOP or i > TOP + 8:
@@ -90,17 +122,14 @@ def initialize(parts, p, time, state, work):
     state[TIME] = time
     state[TIME + 1] = 0.0
     state[TIME + 2] = 0.0
-    state[PLANE] = state[TOP + 1]
-    phi, u, balanced = equilibrium(parts, c, state[TOP], -state[TOP + 2])
-    if not balanced or not above_floor(parts.tension_floor, c, u) or not c.mass_y + c.mass_inertia > 0.0:
+    status = hang(parts, c, state)
+    if status == OK and (not above_floor(parts.tension_floor, c, state[STRETCH]) or not c.mass_y + c.mass_inertia > 0.0):
         return NO_EQUILIBRIUM
-    state[ANGLE] = phi
-    state[STRETCH] = u
-    return OK
+    return status
 
 
 @kernel
-def node_positions(parts, p, state, work, positions):
+def node_positions_in_plane(parts, p, state, work, positions):
     """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
     c = constants(parts, p)
     length = c.length + state[STRETCH]
@@ -110,3 +139,11 @@ def node_positions(parts, p, state, work, positions):
         positions[i, 0] = state[TOP] - below * math.sin(state[ANGLE])
         positions[i, 1] = state[PLANE]
         positions[i, 2] = state[TOP + 2] - below * math.cos(state[ANGLE])
+
+
+@kernel
+def node_positions(parts, p, state, work, positions):
+    if parts.space is None:
+        node_positions_in_plane(parts, p, state, work, positions)
+    else:
+        node_positions_in_space(parts, p, state, work, positions)

@@ -5,6 +5,7 @@ With what it takes over from the other files this is the whole component: sizes,
 
 import math
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import (
     ERROR_SIZE,
     ERROR_TIME,
@@ -33,12 +34,23 @@ from cable_model.kernels.tow import (
     STRETCH_RATE,
     constants,
     excess_tension,
-    outputs,
-    state_size,
+    outputs_in_plane,
     work_size,
 )
-from cable_model.kernels.tow_schemes import MAX_ITERATIONS, Drive, derivative, jacobian, merson_step, radau_step, weights
-from cable_model.kernels.tow_static import initialize, node_positions
+from cable_model.kernels.tow_schemes import (
+    CUBIC,
+    MAX_ITERATIONS,
+    Drive,
+    derivative,
+    jacobian,
+    merson_step,
+    places,
+    radau_step,
+    weights,
+)
+from cable_model.kernels.tow_space import keep_in_space, motion_in_space, outputs_in_space, recharted_in_space
+from cable_model.kernels.tow_static import initialize, node_positions, state_size
+from cable_model.kernels.vector import diagonal
 
 __all__ = ("advance", "initialize", "node_positions", "outputs", "state_size", "work_size")
 
@@ -46,6 +58,57 @@ TIME_STEP = PARAMETERS.index("solver.time_step")
 TOLERANCE = PARAMETERS.index("solver.tolerance")
 EXPLICIT = PARAMETERS.index("tow.explicit")
 MAX_EVENTS = 60  # trials to end a step on an event
+
+
+@kernel
+def _motion_in_plane(space, state):
+    return (state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE]), None
+
+
+@kernel
+def _motion_in_space(space, state):
+    return motion_in_space(state)
+
+
+@kernel
+def _same_chart(space, y, frame):
+    return y, None
+
+
+@kernel
+def _new_chart(space, y, frame):
+    return recharted_in_space(y, frame)
+
+
+@kernel
+def _keep_in_plane(space, y, frame, state):
+    state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE] = y
+
+
+@kernel
+def _keep_in_space(space, y, frame, state):
+    keep_in_space(y, frame, state)
+
+
+motion_of = by_presence(_motion_in_plane, _motion_in_space)  # y and its chart
+recharted = by_presence(_same_chart, _new_chart)
+keep_motion = by_presence(_keep_in_plane, _keep_in_space)
+
+
+@kernel
+def sine_of(y, frame):
+    """Sine of the cable's angle to the vertical at the start of a step."""
+    if frame is None:
+        return abs(math.sin(y[0]))
+    return math.sqrt(frame.e[0] * frame.e[0] + frame.e[1] * frame.e[1])
+
+
+@kernel
+def finite(y):
+    total = 0.0
+    for k in range(len(y)):
+        total += abs(y[k])
+    return total < 1e12
 
 
 @kernel
@@ -72,7 +135,7 @@ def first_crossing(tension_floor, work, slack, graze):
     if tension_floor is None:
         return 2.0
     sign = 1.0 - 2.0 * slack
-    a0, a1, a2, a3 = sign * work[24], sign * work[25], sign * work[26], sign * work[27]
+    a0, a1, a2, a3 = sign * work[CUBIC], sign * work[CUBIC + 1], sign * work[CUBIC + 2], sign * work[CUBIC + 3]
     low, high = 2.0, 2.0  # where the cubic is stationary
     under = a2 * a2 - 3.0 * a1 * a3
     if under > 0.0:
@@ -117,7 +180,7 @@ def step_to_event(explicit, parts, c, drive, elapsed, h, share, y, f, j, slack, 
             low = size
         else:
             high = size
-        slope = sign * (work[25] + 2.0 * work[26] + 3.0 * work[27])  # by the fraction of this step, at its end
+        slope = sign * (work[CUBIC + 1] + 2.0 * work[CUBIC + 2] + 3.0 * work[CUBIC + 3])  # by the fraction of this step, at its end
         size = size - size * excess / slope if slope < 0.0 else low
         if not low < size < high:
             size = 0.5 * (low + high)
@@ -132,7 +195,7 @@ def failed(status, state, time, size):
 
 
 @kernel
-def check_path(path, h, c, state):
+def check_path(space, path, h, c, state):
     total = h
     for i in range(6):
         total += abs(path[i, 0]) + abs(path[i, 1]) + abs(path[i, 2])
@@ -140,8 +203,9 @@ def check_path(path, h, c, state):
         return NOT_FINITE
     if winch_turns(path):
         return NO_WINCH
-    if leaves_plane(path, state[PLANE], c.reference_length):
-        return OUT_OF_PLANE
+    if space is None:
+        if leaves_plane(path, state[PLANE], c.reference_length):
+            return OUT_OF_PLANE
     return OK
 
 
@@ -164,16 +228,16 @@ def advance(parts, p, time, h, path, state, work):
     solver.time_step.  Either way a step ends where the cable goes slack or taut.
     """
     c = constants(parts, p)
-    status = check_path(path, h, c, state)
+    status = check_path(parts.space, path, h, c, state)
     if status != OK:
         return failed(status, state, time, 0.0)
-    drive = Drive(path, h, time)
+    y, frame = motion_of(parts.space, state)
+    drive = Drive(path, h, time, frame)
     explicit = p[EXPLICIT] > 0.5
     tolerance = max(p[TOLERANCE], 0.0)
     fixed = not tolerance > 0.0
     pieces = max(1, math.ceil(h / p[TIME_STEP] * (1.0 - 1e-12))) if fixed else 1
     graze = max(0.1 * tolerance, 1e-9) * c.force
-    y = (state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE])
     wanted = h
     if not fixed:
         wanted = state[NEXT_STEP] if state[NEXT_STEP] > 0.0 else (p[TIME_STEP] if p[TIME_STEP] > 0.0 else h)
@@ -182,7 +246,7 @@ def advance(parts, p, time, h, path, state, work):
     f = derivative(parts, c, drive, 0.0, y, 0.0)
     slack = on_floor(parts.tension_floor, c, y, f, graze)
     f = derivative(parts, c, drive, 0.0, y, slack)
-    j = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    j = (diagonal(0.0, places(y)), diagonal(0.0, places(y)))
     fresh = True
     while elapsed < h:
         goal = h if piece >= pieces else h * piece / pieces
@@ -190,13 +254,13 @@ def advance(parts, p, time, h, path, state, work):
         size = left if wanted >= left * (1.0 - 1e-9) else (0.5 * left if wanted > 0.5 * left else wanted)
         if fresh and not explicit:
             j = jacobian(parts, c, drive, elapsed, y, f, slack)
-            evaluations += 4
+            evaluations += len(y)
         fresh = False
-        scale = weights(c, y)
+        scale = weights(c, sine_of(y, drive.frame), y)
         iterations, end, error, spent = attempt(explicit, parts, c, drive, elapsed, size, y, f, j, slack, scale, tolerance, work)
         evaluations += spent
         newton += max(iterations, 0)
-        good = iterations >= 0 and abs(error) < 1e12 and abs(end[0]) + abs(end[1]) + abs(end[2]) + abs(end[3]) < 1e12
+        good = iterations >= 0 and abs(error) < 1e12 and finite(end)
         if not good or (not fixed and error > tolerance):
             rejected += 1
             wanted = next_size(explicit, size, error, tolerance, iterations) if good else 0.25 * size
@@ -225,7 +289,8 @@ def advance(parts, p, time, h, path, state, work):
         elapsed = goal if size >= left else elapsed + size
         if size >= left:
             piece += 1
-        y = end
+        y, frame = recharted(parts.space, end, drive.frame)
+        drive = Drive(path, h, time, frame)
         steps += 1
         flips = 0
         fresh = True
@@ -241,7 +306,7 @@ def advance(parts, p, time, h, path, state, work):
             wanted = max(wanted, proposal) if size < wanted else proposal
         else:
             wanted = max(wanted, 2.0 * size)
-    state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE] = y
+    keep_motion(parts.space, y, drive.frame, state)
     state[TIME] = time + h
     state[STEP] = size
     state[NEXT_STEP] = wanted if not fixed else size
@@ -252,3 +317,12 @@ def advance(parts, p, time, h, path, state, work):
     for k in range(3):
         state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = evaluate(path, h, 1.0, k)
     return OK
+
+
+@kernel
+def outputs(parts, p, state, work, out):
+    """Fill `out` in the order of signals.OUTPUTS."""
+    if parts.space is None:
+        outputs_in_plane(parts, p, state, work, out)
+    else:
+        outputs_in_space(parts, p, state, work, out)

@@ -1,0 +1,393 @@
+"""The tow model in space: the straight cable swings in every direction (the first extension that [Wang 1971] proposes).
+
+Axes of the FMU, z up.  R = L e points from the top to the lower end: e its direction, L = l_0 + u its length.  Lagrange's equations
+in the components of R have no singular direction.  With v the top's velocity, P = I - e e^T and B the body's virtual masses,
+
+    K = M_c (v.v + v.R' + R'.R'/3)/2 + M_a(u) (v.Pv + v.PR' + R'.PR'/3)/2 + (v + R').B(v + R')/2.
+
+Within a step the direction is e = cos|xi| e_0 + sin|xi| xi/|xi| with xi in the plane across the direction e_0 at its start: a
+motion in one vertical plane is then that of tow.py, and a scene turned about the vertical gives the answer turned.
+"""
+
+import math
+from typing import NamedTuple
+
+from cable_model.kernels.fluid import water_motion
+from cable_model.kernels.header import NEWTON, NO_EQUILIBRIUM, OK, REJECTED, STEPS, TIME, TOP
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import in_calm_water
+from cable_model.kernels.top import evaluate
+from cable_model.kernels.tow import (
+    STATE,
+    STRETCH,
+    STRETCH_RATE,
+    added_masses,
+    constants,
+    mean_tension,
+    slack_share,
+    tangential_weight,
+)
+from cable_model.kernels.vector import (
+    add,
+    add_matrix,
+    apply,
+    axpy,
+    diagonal,
+    dot,
+    inverse,
+    load,
+    mix,
+    norm,
+    outer,
+    scale,
+    scale_matrix,
+    store,
+    sub,
+    zero,
+)
+
+DIRECTION = STATE  # e, 3 numbers
+TURNING = STATE + 3  # e'
+STATE_IN_SPACE = STATE + 6
+STATIC_ITERATIONS = 300
+
+
+class Frame(NamedTuple):
+    """The direction at the start of a step, and two directions across it."""
+
+    e: tuple
+    a: tuple
+    b: tuple
+
+
+class Swing(NamedTuple):
+    """Direction of the cable and its rate; the directions along and across the way it has turned since the start of the step."""
+
+    e: tuple
+    rate: tuple
+    along: tuple
+    across: tuple
+
+
+@kernel
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+@kernel
+def unit(a):
+    return scale(1.0 / norm(a), a)
+
+
+@kernel
+def frame_of(e):
+    axis = (1.0, 0.0, 0.0) if abs(e[2]) > 0.7 else (0.0, 0.0, 1.0)
+    a = unit(axpy(-dot(axis, e), e, axis))
+    return Frame(e, a, cross(e, a))
+
+
+@kernel
+def swing_of(frame, y):
+    """Where the cable points, and how it turns; y = (xi_1, xi_1', u, u', xi_2, xi_2')."""
+    angle = math.sqrt(y[0] * y[0] + y[4] * y[4])
+    c1, c2 = (y[0] / angle, y[4] / angle) if angle > 0.0 else (1.0, 0.0)
+    sin, cos = math.sin(angle), math.cos(angle)
+    sinc = sin / angle if angle > 0.0 else 1.0
+    outward = mix(c1, frame.a, c2, frame.b)
+    across = mix(c1, frame.b, -c2, frame.a)
+    along = mix(cos, outward, -sin, frame.e)
+    rate = mix(c1 * y[1] + c2 * y[5], along, sinc * (c1 * y[5] - c2 * y[1]), across)
+    return Swing(mix(cos, frame.e, sin, outward), rate, along, across)
+
+
+@kernel
+def chart_accelerations(y, swing, turning):
+    """xi_1'' and xi_2'' of the direction's second derivative (only its part across e counts)."""
+    angle = math.sqrt(y[0] * y[0] + y[4] * y[4])
+    c1, c2 = (y[0] / angle, y[4] / angle) if angle > 0.0 else (1.0, 0.0)
+    outward = c1 * y[1] + c2 * y[5]
+    sideways = c1 * y[5] - c2 * y[1]
+    square = angle * angle
+    sinc = math.sin(angle) / angle if angle > 0.0 else 1.0
+    if angle < 1e-2:
+        bent = angle * (-2.0 / 3.0 + square * 2.0 / 15.0)
+        curled = angle * (2.0 / 3.0 + square * 2.0 / 45.0)
+    else:
+        bent = (sinc * math.cos(angle) - 1.0) / angle
+        curled = 2.0 * (1.0 - math.cos(angle) / sinc) / angle
+    first = dot(turning, swing.along) + bent * sideways * sideways
+    second = dot(turning, swing.across) / sinc + curled * outward * sideways
+    return c1 * first - c2 * second, c2 * first + c1 * second
+
+
+@kernel
+def cable_drag_in_space(water, parts, c, top, time, swing, u, ud):
+    """Generalized force of the cable's drag on R, and the drag of the whole cable; segments as tow.cable_drag's."""
+    if water is None:
+        return zero(swing.e), zero(swing.e)
+    x, v, _ = top
+    length = c.length + u
+    area = (1.0 - c.contraction * u) * length / c.segments
+    arm = zero(swing.e)
+    total = zero(swing.e)
+    for i in range(c.segments):
+        middle = (i + 0.5) / c.segments
+        flow, _, _ = water_motion(parts, axpy(middle * length, swing.e, x), time)
+        flow = sub(flow, axpy(middle, mix(ud, swing.e, length, swing.rate), v))
+        along = dot(flow, swing.e)
+        across = axpy(-along, swing.e, flow)
+        fn = scale(c.normal_drag * area * norm(across), across)
+        ft = scale(c.tangential_drag * area * abs(along) * along, swing.e)
+        total = add(total, add(fn, ft))
+        arm = add(arm, mix(middle, fn, tangential_weight(parts.as_printed, middle), ft))
+    return arm, total
+
+
+@kernel
+def body_drag_in_space(body, water, parts, c, top, time, swing, u, ud):
+    """Drag force on the body, by the law of spheres or of disks; a disk's axis keeps its attitude in the plane of x and z."""
+    if body is None or water is None:
+        return zero(swing.e)
+    x, v, _ = top
+    length = c.length + u
+    flow, _, _ = water_motion(parts, axpy(length, swing.e, x), time)
+    flow = sub(flow, add(v, mix(ud, swing.e, length, swing.rate)))
+    if c.sphere:
+        return scale(c.body_drag * norm(flow), flow)
+    axis = (-c.body_sin, 0.0, -c.body_cos)
+    along = dot(flow, axis)
+    across = axpy(-along, axis, flow)
+    return mix(c.body_drag * norm(across), across, c.body_drag_axial * abs(along) * along, axis)
+
+
+@kernel
+def across_only(e, a):
+    return axpy(-dot(e, a), e, a)
+
+
+@kernel
+def added_mass_forces(cable_mass, c, top, swing, u, ud):
+    """What the cable's added mass puts on the right-hand side of R's equations; M_a = M_a(u) sees velocities across the cable only."""
+    if cable_mass is None:
+        return zero(swing.e)
+    _, v, a = top
+    e, w = swing.e, swing.rate
+    length = c.length + u
+    mass, by_stretch = added_masses(c, u)
+    v_along = dot(v, e)
+    v_across = across_only(e, v)
+    squared = dot(v_across, v_across) + length * (dot(v_across, w) + length * dot(w, w) / 3.0)
+    # -d/dt of the momentum without R''
+    force = scale(-by_stretch * ud, mix(0.5, v_across, length / 3.0, w))
+    turning = add(scale(v_along, w), scale(dot(v, w), e))
+    force = axpy(-0.5 * mass, sub(across_only(e, a), turning), force)
+    force = axpy(mass / 3.0, mix(ud, w, length * dot(w, w), e), force)
+    # dK/dR
+    force = axpy(0.5 * by_stretch * squared, e, force)
+    sum_across = mix(2.0 * v_along + ud, v_across, length * (v_along + 2.0 / 3.0 * ud), w)
+    return axpy(-0.5 * mass / length, sum_across, force)
+
+
+@kernel
+def turning_and_stretching(parts, c, top, time, swing, u, ud, slack):
+    """Second derivatives of e and of u [Lagrange's equations of Wang's cable]; top: position, velocity, acceleration."""
+    _, _, a = top
+    e, w = swing.e, swing.rate
+    length = c.length + u
+    arm, _ = cable_drag_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    drag = body_drag_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    force = add(arm, drag)
+    force = axpy(-0.5 * c.mass, a, force)
+    force = (force[0] - c.mass_x * a[0], force[1] - c.mass_x * a[1], force[2] - c.mass_y * a[2] - c.body_weight - 0.5 * c.weight)
+    force = add(force, added_mass_forces(parts.cable_mass, c, top, swing, u, ud))
+    force = axpy(-mean_tension(parts.tension_floor, c, (0.0, 0.0, u, ud), slack), e, force)
+    mass, _ = added_masses(c, u)
+    inertia = add_matrix(diagonal((c.mass_inertia + mass) / 3.0, e), scale_matrix(-mass / 3.0, outer(e, e)))
+    inertia = add_matrix(inertia, (c.mass_x, 0.0, 0.0, 0.0, c.mass_x, 0.0, 0.0, 0.0, c.mass_y))
+    r = apply(inverse(inertia), force)
+    stretching = dot(r, e) + length * dot(w, w)
+    turning = scale(1.0 / length, axpy(-stretching, e, axpy(-2.0 * ud, w, r)))
+    return turning, stretching
+
+
+@kernel
+def derivative_in_space(parts, c, drive, elapsed, y, slack):
+    """Rates of y = (xi_1, xi_1', u, u', xi_2, xi_2'); NaN where the cable has shrunk to nothing, turned round or run away."""
+    wild = not (abs(y[0]) + abs(y[4]) < 2.5 and abs(y[1]) + abs(y[5]) < 1e12)
+    if wild or not (c.length + y[2] > 1e-6 * c.length and y[2] < 1e12 and abs(y[3]) < 1e12):
+        return (math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
+    s = elapsed / drive.h
+    x, vx, ax = evaluate(drive.path, drive.h, s, 0)
+    z, vz, az = evaluate(drive.path, drive.h, s, 2)
+    p, vp, ap = evaluate(drive.path, drive.h, s, 1)
+    top = ((x, p, z), (vx, vp, vz), (ax, ap, az))
+    swing = swing_of(drive.frame, y)
+    turning, stretching = turning_and_stretching(parts, c, top, drive.time + elapsed, swing, y[2], y[3], slack)
+    first, second = chart_accelerations(y, swing, turning)
+    return (y[1], first, y[3], stretching, y[5], second)
+
+
+@kernel
+def motion_in_space(state):
+    """The motion in the chart at the state's direction, and that chart."""
+    row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
+    frame = frame_of(load(row, 0, (0.0, 0.0, 0.0)))
+    rate = load(row, 1, frame.e)
+    return (0.0, dot(rate, frame.a), state[STRETCH], state[STRETCH_RATE], 0.0, dot(rate, frame.b)), frame
+
+
+@kernel
+def recharted_in_space(y, frame):
+    """The same motion in the chart at where the cable points now."""
+    swing = swing_of(frame, y)
+    new = frame_of(unit(swing.e))
+    return (0.0, dot(swing.rate, new.a), y[2], y[3], 0.0, dot(swing.rate, new.b)), new
+
+
+@kernel
+def keep_in_space(y, frame, state):
+    swing = swing_of(frame, y)
+    row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
+    store(row, 0, swing.e)
+    store(row, 1, swing.rate)
+    state[STRETCH] = y[2]
+    state[STRETCH_RATE] = y[3]
+
+
+@kernel
+def top_of(state):
+    row = state[TOP : TOP + 9].reshape(3, 3)
+    like = (0.0, 0.0, 0.0)
+    return load(row, 0, like), load(row, 1, like), load(row, 2, like)
+
+
+@kernel
+def swing_in_state(state):
+    y, frame = motion_in_space(state)
+    return swing_of(frame, y)
+
+
+@kernel
+def end_forces_in_space(parts, c, top, time, swing, u, ud, slack):
+    """Force of the support on the cable, and the tensions at the top, in the mean and at the body; as tow.end_forces."""
+    _, v, a = top
+    e, w = swing.e, swing.rate
+    length = c.length + u
+    turning, stretching = turning_and_stretching(parts, c, top, time, swing, u, ud, slack)
+    r = add(mix(stretching, e, 2.0 * ud, w), scale(length, turning))
+    _, drag = cable_drag_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    pull = body_drag_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    b = add(a, r)
+    b = sub((c.mass_x * b[0], c.mass_x * b[1], c.mass_y * b[2] + c.body_weight), pull)
+    mass, by_stretch = added_masses(c, u)
+    f = axpy(c.mass, axpy(0.5, r, a), b)
+    f = axpy(by_stretch * ud, axpy(0.5 * length, w, across_only(e, v)), f)
+    carried = add(scale(dot(e, v), w), scale(dot(w, v), e))
+    f = axpy(mass, sub(axpy(0.5, mix(ud, w, length, turning), across_only(e, a)), carried), f)
+    f = sub(f, drag)
+    f = (f[0], f[1], f[2] + c.weight)
+    return f, -dot(f, e), mean_tension(parts.tension_floor, c, (0.0, 0.0, u, ud), slack), -dot(b, e)
+
+
+@kernel
+def outputs_in_space(parts, p, state, work, out):
+    """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment."""
+    c = constants(parts, p)
+    top = top_of(state)
+    swing = swing_in_state(state)
+    u, ud = state[STRETCH], state[STRETCH_RATE]
+    length = c.length + u
+    slack = slack_share(parts.tension_floor, c, (0.0, 0.0, u, ud))
+    f, t_top, t_mean, t_body = end_forces_in_space(parts, c, top, state[TIME], swing, u, ud, slack)
+    place = axpy(length, swing.e, top[0])
+    velocity = add(top[1], mix(ud, swing.e, length, swing.rate))
+    for k in range(3):
+        out[k] = -f[k]
+        out[5 + k] = place[k]
+        out[8 + k] = velocity[k]
+    out[3] = t_top
+    out[4] = math.atan2(math.sqrt(swing.e[0] ** 2 + swing.e[1] ** 2), -swing.e[2])
+    out[11] = t_body
+    out[12] = max(t_top, t_mean, t_body)
+    out[13] = min(t_top, t_mean, t_body)
+    out[14] = slack
+    out[15] = state[STEPS]
+    out[16] = state[NEWTON]
+    out[17] = state[REJECTED]
+
+
+@kernel
+def resting_load(parts, c, top, e, u):
+    """Generalized force on R of weight and steady current, with the cable at rest."""
+    swing = Swing(e, zero(e), e, e)
+    arm, _ = cable_drag_in_space(parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
+    load = add(arm, body_drag_in_space(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0))
+    return (load[0], load[1], load[2] - c.body_weight - 0.5 * c.weight)
+
+
+@kernel
+def _turned(frame, x1, x2):
+    return swing_of(frame, (x1, 0.0, 0.0, 0.0, x2, 0.0)).e
+
+
+@kernel
+def balance(parts, c, top):
+    """Direction and stretch at rest in the steady current, and whether they balance: Newton from the vertical on the part across."""
+    still = (top[0], zero(top[0]), zero(top[0]))
+    hanging = c.body_weight + 0.5 * c.weight >= 0.0
+    e = (0.0, 0.0, -1.0 if hanging else 1.0)
+    u = abs(c.body_weight + 0.5 * c.weight) / c.spring
+    gap = math.inf
+    for _ in range(STATIC_ITERATIONS):
+        load = resting_load(parts, c, still, e, u)
+        u = dot(load, e) / c.spring
+        if not u > -0.9 * c.length:
+            return e, u, False
+        load = resting_load(parts, c, still, e, u)
+        gap = norm(across_only(e, load)) + abs(dot(load, e) - c.spring * u)
+        if gap <= 1e-13 * c.force:
+            break
+        frame = frame_of(e)
+        d = 1e-6
+        r1, r2 = dot(load, frame.a), dot(load, frame.b)
+        ahead = resting_load(parts, c, still, _turned(frame, d, 0.0), u)
+        aside = resting_load(parts, c, still, _turned(frame, 0.0, d), u)
+        # across the turned cable: the load's part along e turns with it
+        j11 = (dot(ahead, frame.a) - r1) / d - dot(ahead, e)
+        j21 = (dot(ahead, frame.b) - r2) / d
+        j12 = (dot(aside, frame.a) - r1) / d
+        j22 = (dot(aside, frame.b) - r2) / d - dot(aside, e)
+        det = j11 * j22 - j12 * j21
+        pull = max(norm(load), 1e-300)
+        x1, x2 = 0.2 * r1 / pull, 0.2 * r2 / pull  # downhill, where Newton's way does not lead to a stable balance
+        if det > 0.0 and j11 + j22 < 0.0:
+            x1, x2 = (j12 * r2 - j22 * r1) / det, (j21 * r1 - j11 * r2) / det
+        size = math.sqrt(x1 * x1 + x2 * x2)
+        if size > 0.2:
+            x1, x2 = 0.2 * x1 / size, 0.2 * x2 / size
+        e = unit(_turned(frame, x1, x2))
+    return e, u, gap <= 1e-9 * c.force
+
+
+@kernel
+def hang_in_space(parts, c, state):
+    """Put the state at rest under its top; returns a status."""
+    e, u, balanced = balance(parts, c, top_of(state))
+    if not balanced:
+        return NO_EQUILIBRIUM
+    row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
+    store(row, 0, e)
+    store(row, 1, zero(e))
+    state[STRETCH] = u
+    return OK
+
+
+@kernel
+def node_positions_in_space(parts, p, state, work, positions):
+    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
+    length = constants(parts, p).length + state[STRETCH]
+    n = positions.shape[0]
+    for i in range(n):
+        below = length * (n - 1 - i) / max(n - 1, 1)
+        for k in range(3):
+            positions[i, k] = state[TOP + k] + below * state[DIRECTION + k]
