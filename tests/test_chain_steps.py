@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, drive, every, make, swing
 
+from cable_model.kernels import header
+
 SWAY = swing((0.02, 0.0, 0.0), SECOND_MODE)
 RHYTHMS = {
     "alternating by a tenth": [1.0, 1.1],
@@ -52,6 +54,26 @@ def test_the_observed_error_follows_the_tolerance_over_two_decades():
     # the tolerance bounds the acceleration that the truncation error amounts to: it and the error both go with the step squared
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.1)
     assert errors[0] < 0.01 * np.max(np.abs(reference))
+
+
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+@pytest.mark.parametrize("tiny", [1e-6, 1e-9, 1e-11])
+def test_a_tiny_communication_step_leaves_the_tension_alone(tiny, grid):
+    """A host that iterates for an event asks for one; over 1e-11 s the difference of two velocities is rounding."""
+    times = every(0.01, 0.4)
+    plain = drive(make(HANGING, solver__grid=grid), every(0.01, 0.6), SWAY)["top.tension"][-20:]
+    run = drive(make(HANGING, solver__grid=grid), np.concatenate([times, times[-1] + tiny + every(0.01, 0.2)]), SWAY)
+    assert run["top.tension"][-20:] == pytest.approx(plain, rel=1e-3)
+
+
+def test_what_is_left_of_a_communication_step_is_never_a_sliver():
+    """A proposed step a billionth short of the rest left 1e-11 s, over which the top force was -2e12 N."""
+    model = make(HANGING)
+    times = every(0.01, 0.5)
+    drive(model, times, SWAY)
+    model.state[header.NEXT_STEP] = 0.01 * (1.0 - 2e-9)
+    model.advance(times[-1], 0.01, SWAY(times[-1]), SWAY(times[-1] + 0.01))
+    assert model.state[header.STEP] == pytest.approx(0.005)
 
 
 VANISHING = """

@@ -18,6 +18,7 @@ from cable_model.kernels.vector import axpy, sub
 
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
+TINY_STEP = 1e-4  # of the base step: over one, differences of rates are rounding
 
 
 class View(NamedTuple):
@@ -224,10 +225,11 @@ def _try_step(parts, p, problem, view, state, c, time, span, path, done, h):
 
 
 @kernel
-def _accept(parts, view, h):
+def _accept(parts, view, h, tiny):
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
-            view.ydd[i, k] = (view.yd1[i, k] - view.yd0[i, k]) / h
+            if not tiny:
+                view.ydd[i, k] = (view.yd1[i, k] - view.yd0[i, k]) / h
             view.y_old[i, k] = view.y[i, k]
             view.y[i, k] = view.y1[i, k]
             view.yd[i, k] = view.yd1[i, k]
@@ -293,7 +295,7 @@ def advance(parts, p, time, span, path, state, work):
     like = _top_at(parts, state, 0)
     c = coefficients(int(p[23]), p[22])
     tolerance = p[24]
-    base = span / math.ceil(span / p[21] - 1e-9)
+    base = span / max(1, math.ceil(span / p[21] - 1e-9))
     allowed = tolerance * max(problem.cable.gravity, 1e-3)
     h = base
     if tolerance > 0.0:
@@ -306,7 +308,7 @@ def advance(parts, p, time, span, path, state, work):
         used = h
         if used >= rest * (1.0 - 1e-9):
             used = rest
-        elif tolerance > 0.0 and used > 0.5 * rest:
+        elif rest - used < 0.5 * used:  # leave no sliver: the accelerations over one would be those of rounding
             used = 0.5 * rest
         status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used)
         if status < 0:
@@ -331,7 +333,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0, SMALLEST_STEP * p[21]))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(parts, view, used)
+        _accept(parts, view, used, used < TINY_STEP * p[21])
         state[header.STEP] = used
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status
