@@ -40,12 +40,18 @@ def test_coefficients_of_radau_are_those_of_collocation():
     assert split @ np.linalg.inv(a) @ t == pytest.approx(blocks, abs=1e-12)
 
 
+@pytest.mark.parametrize("freedoms", [2, 3])
 @pytest.mark.parametrize("rate", [3.7, 2.0 - 5.0j])
-def test_the_linear_solve_inverts_the_whole_jacobian(rate):
+def test_the_linear_solve_inverts_the_whole_jacobian(rate, freedoms):
     random = np.random.default_rng(5)
-    j, r = random.normal(size=8), random.normal(size=4) * (1.0 if isinstance(rate, float) else 1.0 + 0.5j)
-    full = np.array([[0, 1, 0, 0], j[:4], [0, 0, 0, 1], j[4:]])
-    assert tow_schemes.solve(rate, tuple(j), tuple(r)) == pytest.approx(np.linalg.solve(rate * np.eye(4) - full, r), rel=1e-12)
+    n = 2 * freedoms
+    by_place, by_rate = random.normal(size=(freedoms, freedoms)), random.normal(size=(freedoms, freedoms))
+    r = random.normal(size=n) * (1.0 if isinstance(rate, float) else 1.0 + 0.5j)
+    full = np.zeros((n, n))
+    full[0::2, 1::2] = np.eye(freedoms)
+    full[1::2, 0::2], full[1::2, 1::2] = by_place, by_rate
+    j = (tuple(by_place.ravel()), tuple(by_rate.ravel()))
+    assert tow_schemes.solve(rate, j, tuple(r)) == pytest.approx(np.linalg.solve(rate * np.eye(n) - full, r), rel=1e-11)
 
 
 @pytest.mark.parametrize(("explicit", "order"), [(0.0, 5), (1.0, 4)])

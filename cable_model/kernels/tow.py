@@ -364,7 +364,7 @@ def work_size(parts, p):
 
 
 @kernel
-def outputs_in_plane(parts, p, state, work, out):
+def outputs_in_plane(space, parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment, z up."""
     c = constants(parts, p)
     top = (state[TOP], state[TOP + 3], state[TOP + 6], -state[TOP + 2], -state[TOP + 5], -state[TOP + 8])

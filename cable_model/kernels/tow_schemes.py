@@ -7,6 +7,7 @@ the tension floor, and leaves a cubic of the excess tension for the search of th
 import math
 from typing import NamedTuple
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.top import evaluate
 from cable_model.kernels.tow import accelerations, excess_tension
@@ -44,7 +45,7 @@ class Drive(NamedTuple):
 
 
 @kernel
-def derivative_in_plane(parts, c, drive, elapsed, y, slack):
+def derivative_in_plane(space, parts, c, drive, elapsed, y, slack):
     """Rates of y = (phi, phi', u, u'); NaN where the cable has shrunk to nothing or y has run away."""
     if not (abs(y[0]) < 1e6 and abs(y[1]) < 1e12 and c.length + y[2] > 1e-6 * c.length and y[2] < 1e12 and abs(y[3]) < 1e12):
         return (math.nan, math.nan, math.nan, math.nan)
@@ -54,11 +55,12 @@ def derivative_in_plane(parts, c, drive, elapsed, y, slack):
     return (y[1], phi_rate, y[3], u_rate)
 
 
+_derivative = by_presence(derivative_in_plane, derivative_in_space)
+
+
 @kernel
 def derivative(parts, c, drive, elapsed, y, slack):
-    if parts.space is None:
-        return derivative_in_plane(parts, c, drive, elapsed, y, slack)
-    return derivative_in_space(parts, c, drive, elapsed, y, slack)
+    return _derivative(parts.space, parts, c, drive, elapsed, y, slack)
 
 
 @kernel

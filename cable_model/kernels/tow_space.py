@@ -211,7 +211,7 @@ def turning_and_stretching(parts, c, top, time, swing, u, ud, slack):
 
 
 @kernel
-def derivative_in_space(parts, c, drive, elapsed, y, slack):
+def derivative_in_space(space, parts, c, drive, elapsed, y, slack):
     """Rates of y = (xi_1, xi_1', u, u', xi_2, xi_2'); NaN where the cable has shrunk to nothing, turned round or run away."""
     wild = not (abs(y[0]) + abs(y[4]) < 2.5 and abs(y[1]) + abs(y[5]) < 1e12)
     if wild or not (c.length + y[2] > 1e-6 * c.length and y[2] < 1e12 and abs(y[3]) < 1e12):
@@ -228,7 +228,7 @@ def derivative_in_space(parts, c, drive, elapsed, y, slack):
 
 
 @kernel
-def motion_in_space(state):
+def motion_in_space(space, state):
     """The motion in the chart at the state's direction, and that chart."""
     row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
     frame = frame_of(load(row, 0, (0.0, 0.0, 0.0)))
@@ -237,7 +237,7 @@ def motion_in_space(state):
 
 
 @kernel
-def recharted_in_space(y, frame):
+def recharted_in_space(space, y, frame):
     """The same motion in the chart at where the cable points now."""
     swing = swing_of(frame, y)
     new = frame_of(unit(swing.e))
@@ -245,7 +245,7 @@ def recharted_in_space(y, frame):
 
 
 @kernel
-def keep_in_space(y, frame, state):
+def keep_in_space(space, y, frame, state):
     swing = swing_of(frame, y)
     row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
     store(row, 0, swing.e)
@@ -263,7 +263,7 @@ def top_of(state):
 
 @kernel
 def swing_in_state(state):
-    y, frame = motion_in_space(state)
+    y, frame = motion_in_space(True, state)
     return swing_of(frame, y)
 
 
@@ -290,7 +290,7 @@ def end_forces_in_space(parts, c, top, time, swing, u, ud, slack):
 
 
 @kernel
-def outputs_in_space(parts, p, state, work, out):
+def outputs_in_space(space, parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment."""
     c = constants(parts, p)
     top = top_of(state)
@@ -370,7 +370,7 @@ def balance(parts, c, top):
 
 
 @kernel
-def hang_in_space(parts, c, state):
+def hang_in_space(space, parts, c, state):
     """Put the state at rest under its top; returns a status."""
     e, u, balanced = balance(parts, c, top_of(state))
     if not balanced:
@@ -383,7 +383,7 @@ def hang_in_space(parts, c, state):
 
 
 @kernel
-def node_positions_in_space(parts, p, state, work, positions):
+def node_positions_in_space(space, parts, p, state, work, positions):
     """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
     length = constants(parts, p).length + state[STRETCH]
     n = positions.shape[0]

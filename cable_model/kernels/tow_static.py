@@ -2,6 +2,7 @@
 
 import math
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
@@ -80,7 +81,7 @@ def above_floor(tension_floor, c, u):
 
 
 @kernel
-def hang_in_plane(parts, c, state):
+def hang_in_plane(space, parts, c, state):
     state[PLANE] = state[TOP + 1]
     phi, u, balanced = equilibrium(parts, c, state[TOP], -state[TOP + 2])
     state[ANGLE] = phi
@@ -88,12 +89,7 @@ def hang_in_plane(parts, c, state):
     return OK if balanced else NO_EQUILIBRIUM
 
 
-@kernel
-def hang(parts, c, state):
-    """Put the state at rest in the steady current under its top; returns a status."""
-    if parts.space is None:
-        return hang_in_plane(parts, c, state)
-    return hang_in_space(parts, c, state)
+_hang = by_presence(hang_in_plane, hang_in_space)  # puts the state at rest in the steady current under its top; returns a status
 
 
 @kernel
@@ -105,9 +101,7 @@ def stays_in_plane(space, c, state):
 
 @kernel
 def state_size(parts, p):
-    if parts.space is None:
-        return STATE
-    return STATE_IN_SPACE
+    return STATE if parts.space is None else STATE_IN_SPACE
 
 
 @kernel
@@ -122,14 +116,14 @@ def initialize(parts, p, time, state, work):
     state[TIME] = time
     state[TIME + 1] = 0.0
     state[TIME + 2] = 0.0
-    status = hang(parts, c, state)
+    status = _hang(parts.space, parts, c, state)
     if status == OK and (not above_floor(parts.tension_floor, c, state[STRETCH]) or not c.mass_y + c.mass_inertia > 0.0):
         return NO_EQUILIBRIUM
     return status
 
 
 @kernel
-def node_positions_in_plane(parts, p, state, work, positions):
+def node_positions_in_plane(space, parts, p, state, work, positions):
     """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
     c = constants(parts, p)
     length = c.length + state[STRETCH]
@@ -141,9 +135,10 @@ def node_positions_in_plane(parts, p, state, work, positions):
         positions[i, 2] = state[TOP + 2] - below * math.cos(state[ANGLE])
 
 
+_node_positions = by_presence(node_positions_in_plane, node_positions_in_space)
+
+
 @kernel
 def node_positions(parts, p, state, work, positions):
-    if parts.space is None:
-        node_positions_in_plane(parts, p, state, work, positions)
-    else:
-        node_positions_in_space(parts, p, state, work, positions)
+    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
+    _node_positions(parts.space, parts, p, state, work, positions)

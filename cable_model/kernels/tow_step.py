@@ -66,18 +66,8 @@ def _motion_in_plane(space, state):
 
 
 @kernel
-def _motion_in_space(space, state):
-    return motion_in_space(state)
-
-
-@kernel
 def _same_chart(space, y, frame):
     return y, None
-
-
-@kernel
-def _new_chart(space, y, frame):
-    return recharted_in_space(y, frame)
 
 
 @kernel
@@ -85,14 +75,9 @@ def _keep_in_plane(space, y, frame, state):
     state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE] = y
 
 
-@kernel
-def _keep_in_space(space, y, frame, state):
-    keep_in_space(y, frame, state)
-
-
-motion_of = by_presence(_motion_in_plane, _motion_in_space)  # y and its chart
-recharted = by_presence(_same_chart, _new_chart)
-keep_motion = by_presence(_keep_in_plane, _keep_in_space)
+motion_of = by_presence(_motion_in_plane, motion_in_space)  # y and its chart
+recharted = by_presence(_same_chart, recharted_in_space)
+keep_motion = by_presence(_keep_in_plane, keep_in_space)
 
 
 @kernel
@@ -319,10 +304,10 @@ def advance(parts, p, time, h, path, state, work):
     return OK
 
 
+_outputs = by_presence(outputs_in_plane, outputs_in_space)
+
+
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
-    if parts.space is None:
-        outputs_in_plane(parts, p, state, work, out)
-    else:
-        outputs_in_space(parts, p, state, work, out)
+    _outputs(parts.space, parts, p, state, work, out)
