@@ -1,17 +1,16 @@
 """The mooring chain of 33 m in a basin: measured mean cycle maxima of the tension at 18 conditions."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from chain_support import drive
 
 from cable_model import scene
 from cable_model.cable_chain import CableChain
+from cable_model.hard.basin import maxima
 from cable_model.motion import top_motion
 from cable_model.parameters import Motion, Top
 
-MEASURED = np.loadtxt(Path(__file__).parent / "data" / "bergdahl_maxima.csv", delimiter=",")  # [Bergdahl et al. 2016, table 8]
+MEASURED = maxima()  # [Bergdahl et al. 2016, table 8]
 CENTRE = (32.554, 0.0, 0.3)
 CYCLES, LAST = 12, 6
 

@@ -107,10 +107,18 @@ SLACK = tuple(Variant(variant.label, {**variant.changes, "top.motion": [HEAVE_4S
 BOTH = (Variant("lambda -0.5"), Variant("lambda -0.9", {"solver.lambda_infinity": -0.9}))
 FINE = {"solver.nodes": 200, "solver.time_step": 0.001}
 
+BASIN_RADII, BASIN_PERIODS = (0.075, 0.125, 0.2), (1.25, 1.5, 2.0, 2.5, 3.0, 3.5)  # m, s: those measured
+BASIN_CYCLES = 12
+
+
+def basin_label(radius: float, period: float) -> str:
+    return f"radius {radius:g} m, period {period:g} s"
+
+
 TURN = 40.0  # s: the current that the cable of H12 sees has begun to turn round, and the cable folds
 BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve periods
     Variant(
-        f"radius {radius:g} m, period {period:g} s",
+        basin_label(radius, period),
         {
             "top.motion": [
                 {"kind": "sinusoid", "axis": axis, "amplitude": radius, "angular_frequency": 2.0 * math.pi / period, "phase": phase,
@@ -118,11 +126,11 @@ BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve 
                 for axis, phase in (("x", 0.5 * math.pi), ("z", math.pi))
             ],
             "solver.time_step": period / 125.0,
-            "run.duration": 12.0 * period,
+            "run.duration": BASIN_CYCLES * period,
         },
     )
-    for radius in (0.075, 0.125, 0.2)
-    for period in (1.25, 1.5, 2.0, 2.5, 3.0, 3.5)
+    for radius in BASIN_RADII
+    for period in BASIN_PERIODS
 )  # fmt: skip
 
 CASES = (

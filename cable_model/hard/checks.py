@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from cable_model.hard import basin
 from cable_model.hard.record import Record
 from cable_model.hard.rules import Finding
 
@@ -78,25 +79,6 @@ def bounces(runs: Runs) -> list[Finding]:
     return found
 
 
-MEASURED = (  # N, mean cycle maximum at the upper end, by radius and period as in cases.BASIN [Bergdahl et al. 2016, table 8]
-    42.5, 41.0, 36.0, 31.1, 29.5, 27.8,
-    54.1, 51.5, 47.5, 42.5, 39.3, 37.5,
-    70.3, 68.0, 62.3, 57.3, 54.0, 50.1,
-)  # fmt: skip
-
-
-def basin(runs: Runs) -> list[Finding]:
-    """Mean cycle maximum of the last six periods at all 18 measured conditions; the tension is lost in fast cycles."""
-    cycles = [run["top.tension"][1:].reshape(12, -1)[-6:] for run in runs.values()]
-    misses = np.array([cycle.max(axis=1).mean() for cycle in cycles]) - np.array(MEASURED)
-    error = float(np.sqrt(np.mean(misses**2)))
-    lost = float(cycles[12].min(axis=1).max())
-    return [
-        Finding("+", error, 1.5, error <= 1.5, "rms error of the mean cycle maximum over 18 conditions, N"),
-        Finding("+", lost, 1.0, lost <= 1.0, "largest of the cycle minima at 0.2 m and 1.25 s, N"),
-    ]
-
-
 def no_drift(runs: Runs) -> list[Finding]:
     """Mean position of the body in the last ten minutes against that in the first ten."""
     (run,) = runs.values()
@@ -110,6 +92,6 @@ CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
     "peaks": peaks,
     "one motion": one_motion,
     "bounces": bounces,
-    "basin": basin,
+    "basin": basin.findings,
     "drift": no_drift,
 }

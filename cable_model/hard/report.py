@@ -12,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from cable_model.hard import basin
 from cable_model.hard.rules import Finding
 from cable_model.hard.runner import Verdict
 
@@ -66,6 +67,9 @@ def write(folder: Path, verdicts: Sequence[Verdict], further: Mapping[str, Seque
             "",
         ]
         draw(folder / picture_name(key), own)
+        if own[0].case.check == "basin":
+            basin.draw(folder / "basin_measured.png", {verdict.variant.label: verdict.run for verdict in own})
+            text += ["![Basin chain, measured and computed](basin_measured.png)", ""]
     if "H15" in further:
         text += ["## H15: bad input", ""]
         text += [f"- {'refused' if f.holds else 'FAILS'}: {f.words}" for f in further["H15"]]
