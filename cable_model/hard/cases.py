@@ -134,8 +134,8 @@ BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve 
 )  # fmt: skip
 
 CASES = (
-    Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0, statistics=30.0, reference=FINE),
-    Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=30.0, reference=FINE),
+    Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0, statistics=240.0, reference=FINE),
+    Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=240.0, reference=FINE),
     Case("H2 step", "hard/velocity_step", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5),
     Case("H3", "hard/whirl", (*WHIRLS, PEERS_WHIRL, *FAMILY), chaos=10.0),
     Case("H4", "hard/folded_fall", BOTH, chaos=0.37, check="folded fall"),
