@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench, hard."""
+"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise and sweep of cli_studies."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
+from cable_model import cli_studies
 from cable_model.comparison import Difference, compare
 from cable_model.effects import effects, unknowns_per_node
 from cable_model.errors import ParameterError, SolverError, unknown
@@ -133,7 +134,7 @@ def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="c
             each = unknowns_per_node(loaded, name)
             console.print(f"{loaded.solver.nodes} nodes, {each} unknowns a node: {each * loaded.solver.nodes} unknowns\n")
         else:
-            console.print("2 degrees of freedom: the angle and the stretch of one straight cable\n")
+            console.print(f"{unknowns_per_node(loaded, name)} degrees of freedom: swing and stretch of one straight cable\n")
 
 
 def _print_differences(found: list[Difference]) -> None:
@@ -270,6 +271,10 @@ def hard(
     failed = [v for v in verdicts if v.variant.judged and not v.passed]
     if failed or any(not f.holds for findings in further.values() for f in findings):
         raise typer.Exit(1)
+
+
+for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep):
+    app.command()(command)
 
 
 def main() -> None:

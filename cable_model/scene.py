@@ -148,6 +148,33 @@ def load(scene: str | Path) -> Scene:
     return from_dict(values)
 
 
+def to_toml(scene: Scene) -> str:
+    """The scene as TOML: what differs from the defaults; reading it gives an equal scene."""
+    import tomli_w
+
+    tables: dict[str, Any] = {}
+    for part in dataclasses.fields(scene):
+        value = getattr(scene, part.name)
+        if not dataclasses.is_dataclass(value):
+            if value:
+                tables[part.name] = value
+            continue
+        given = _beyond_defaults(value)
+        if given or (part.name == "water"):
+            tables[part.name] = given
+    return tomli_w.dumps(tables, multiline_strings=True)
+
+
+def _beyond_defaults(part: Any) -> dict[str, Any]:
+    given = {}
+    for entry in dataclasses.fields(part):
+        value = getattr(part, entry.name)
+        if value != entry.default:
+            rows = isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0])
+            given[entry.name] = [_beyond_defaults(row) for row in value] if rows else value
+    return given
+
+
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """A copy of the scene with values replaced by dotted name, such as {"cable.length": 20.0}; checked like a file."""
     tables = dataclasses.asdict(scene)

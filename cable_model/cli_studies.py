@@ -1,0 +1,129 @@
+"""The command line of accuracy and cost: study, advise, sweep."""
+
+from __future__ import annotations
+
+import os
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from cable_model.errors import ParameterError, refuse
+from cable_model.scene import load, to_toml
+from cable_model.studies.timed import SIGNALS
+
+console = Console()
+
+
+class Of(StrEnum):
+    tension = "tension"
+    position = "position"
+    both = "both"
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        return SIGNALS if self is Of.both else (self.value,)
+
+
+def fraction(text: str) -> float:
+    """An accuracy such as "1%" or "0.003" as a number between 0 and 1."""
+    try:
+        value = float(text.strip().removesuffix("%")) / (100.0 if text.strip().endswith("%") else 1.0)
+    except ValueError:
+        value = -1.0
+    if not 0.0 < value < 1.0:
+        raise refuse("accuracy", text, "", "between 0 and 100 %", "Give one such as 1% or 0.003.")
+    return value
+
+
+def study(
+    scene: Annotated[str, typer.Argument(help="a scene file, or the name of a shipped scene")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the CSV and the picture")] = Path("results/study"),
+    quick: Annotated[bool, typer.Option("--quick", help="few settings, a coarser reference")] = False,
+) -> None:
+    """Measure what accuracy costs on a scene: error against processor time of every method, as CSV and picture."""
+    from cable_model.studies import work_precision
+
+    loaded = load(scene)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("reference", total=1.0)
+        reference, points = work_precision.study(loaded, quick, lambda text, done: bar.update(task, description=text, completed=done))
+    stem = output / Path(scene).stem
+    work_precision.write_csv(stem.with_suffix(".csv"), loaded, reference, points)
+    work_precision.picture(stem.with_suffix(".png"), loaded, reference, points)
+    if not reference.converged:
+        console.print("[bold red]The reference did not converge[/bold red]: errors below are differences between two runs that both may be wrong.")
+    for signal in SIGNALS:
+        table = Table(title=f"Cheapest ways to an error of the {signal} (reference's own: {reference.own_error[signal]:.1e})")
+        for column in ("error", "CPU s per simulated s", "method", "setting"):
+            table.add_column(column, justify="left" if column in ("method", "setting") else "right")
+        for p in work_precision.front(points, signal):
+            table.add_row(f"{p.errors[signal]:.1e}", f"{p.cost:.2e}", p.setting.method, p.setting.label)
+        console.print(table)
+    console.print(f"wrote {stem.with_suffix('.csv')} and {stem.with_suffix('.png')}")
+
+
+def advise(
+    scene: Annotated[str, typer.Argument(help="a scene file, or the name of a shipped scene")],
+    accuracy: Annotated[str, typer.Option(help="wanted error over the dynamic rms, such as 1%")] = "1%",
+    of: Annotated[Of, typer.Option(help="of the top's tension, of the lower end's position, or of both")] = Of.both,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the scene with the choice in place")] = None,
+) -> None:
+    """Find the cheapest model, effects, nodes and step that meet an accuracy, by measured refinement."""
+    from cable_model.studies import advice as found
+
+    wanted = fraction(accuracy)
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("reference", total=None)
+        advice = found.advise(load(scene), wanted, of.signals, lambda text: bar.update(task, description=text))
+    if not advice.reference.converged:
+        changes = ", ".join(f"{name} {value:.2g}" for name, value in advice.reference.own_error.items())
+        raise ParameterError(
+            f"{scene}: no advice: the finest runs still differ ({changes}). The motion is chaotic, or the scene's own nodes and step are far "
+            "too coarse: shorten run.duration, or refine solver.nodes and solver.time_step."
+        )
+    for check in advice.checks:
+        console.print(f"straight cable: {'[green]yes[/green]' if check.holds else '[red]no[/red]'}  {check.words}")
+    for name, error in advice.left_out.items():
+        console.print(f"left out: {name} (changes the answer by {error:.1e})")
+    for name, error in advice.kept.items():
+        console.print(f"kept: {name} (without it the error is {error:.1e})")
+    sure = ", ".join(f"{name} {value:.1e}" for name, value in advice.reference.own_error.items())
+    if advice.choice is None:
+        raise ParameterError(f"{scene}: none of {advice.tried} settings reaches {accuracy}. Refine the scene's solver.nodes and time_step.")
+    choice = advice.choice
+    shown = ", ".join(f"{name} {value:.1e}" for name, value in choice.errors.items())
+    console.print(f"[bold]{choice.setting.method}: {choice.setting.label}[/bold]: {choice.cost:.2g} CPU s per simulated s")
+    console.print(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {advice.tried} settings tried")
+    console.print(found.price(advice))
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(to_toml(advice.scene), encoding="utf-8")
+        console.print(f"wrote {output}")
+
+
+def sweep(
+    file: Annotated[Path, typer.Argument(help="a TOML file with `scene` and lists of values in [vary]")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the results; runs that are there are not repeated")] = Path(
+        "results/sweep"
+    ),
+    workers: Annotated[int, typer.Option(help="processes (0: as many as there are cores)")] = 0,
+    scheduler: Annotated[str | None, typer.Option(help="address of a dask.distributed scheduler, instead of this machine")] = None,
+) -> None:
+    """Run a scene at every combination of values; resumes where it stopped."""
+    from cable_model.studies import sweep as sweeping
+
+    wanted = sweeping.jobs(*sweeping.read(file))
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task(f"{len(wanted)} runs", total=len(wanted))
+        told = lambda done: bar.update(task, completed=done)  # noqa: E731
+        summaries = sweeping.run(wanted, output, workers or os.cpu_count() or 1, told, scheduler)
+    sweeping.write_table(output / "table.csv", summaries)
+    failed = [summary for summary in summaries if summary["error"]]
+    console.print(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
+    for summary in failed:
+        console.print(f"stopped: {summary['key']}: {summary['error']}")

@@ -1,0 +1,1 @@
+"""Accuracy against cost: timed runs, converged references, work-precision studies, advice, and sweeps."""

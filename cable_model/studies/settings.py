@@ -1,0 +1,96 @@
+"""Which settings of a scene are worth trying: ladders of nodes, steps and tolerances about the scene's own, and effects to leave out."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+
+from cable_model.errors import ParameterError
+from cable_model.scene import Scene, parts_of, with_values
+from cable_model.studies.timed import Setting
+
+FEWEST_CELLS = 4
+TOLERANCES = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
+TOW = "TowCable"
+METHODS: Mapping[str, Mapping[str, object]] = {
+    "chain, lambda -0.9": {},
+    "chain, lambda -0.5": {"solver.lambda_infinity": -0.5},
+    "chain, lambda 0": {"solver.lambda_infinity": 0.0},
+    "chain, uniform mesh": {"solver.grading": 1.0},
+    "box grid, lambda -0.9": {"solver.grid": "box"},
+    "box grid, box method": {"solver.grid": "box", "solver.lambda_infinity": -1.0},
+}
+CONTROLLED = "chain, error control"
+BASE = {"solver.grid": "staggered", "solver.lambda_infinity": -0.9, "solver.grading": 0.0, "solver.integrator": "generalized-alpha",
+        "cable.inextensible": False}  # fmt: skip
+
+
+def cells_ladder(scene: Scene, quick: bool = False) -> list[int]:
+    """From an eighth of the scene's cells to twice as many."""
+    cells = max(scene.solver.nodes - 1, FEWEST_CELLS)
+    factors = (0.25, 0.5, 1.0) if quick else (0.125, 0.25, 0.5, 1.0, 2.0)
+    return sorted({max(FEWEST_CELLS, round(cells * factor)) for factor in factors})
+
+
+def steps_ladder(scene: Scene, quick: bool = False) -> list[float]:
+    """From eight times the scene's step to a quarter of it."""
+    factors = (4.0, 1.0) if quick else (16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25)
+    steps = [scene.solver.time_step * factor for factor in factors]
+    return [step for step in steps if step <= 0.1 * scene.run.duration]
+
+
+def allowed(scene: Scene, setting: Setting) -> bool:
+    """Whether the scene can be run so at all: the box grid has no seabed, TowCable no winch."""
+    try:
+        parts_of(with_values(scene, setting.changes), setting.model)
+    except ParameterError:
+        return False
+    return setting.model != "tow" or not (scene.lower_end.anchored or scene.lower_end.released or scene.winch.fitted or scene.seabed.stiffness)
+
+
+def of_method(scene: Scene, method: str, quick: bool = False) -> Iterator[Setting]:
+    """All settings of a method; cheap ones first."""
+    if method == TOW:
+        for tolerance in (1e-2, 1e-4, 1e-6):
+            yield Setting(TOW, "tow", {"solver.tolerance": tolerance, "solver.grid": "staggered", "cable.inextensible": False})
+        return
+    if method == CONTROLLED:
+        longest = 0.1 * scene.run.duration
+        for cells, tolerance in itertools.product(cells_ladder(scene, quick), TOLERANCES[::3] if quick else TOLERANCES):
+            changes = {"solver.nodes": cells + 1, "solver.tolerance": tolerance, "solver.time_step": longest}
+            yield Setting(method, "chain", {**BASE, **changes})
+        return
+    for cells, step in itertools.product(cells_ladder(scene, quick), steps_ladder(scene, quick)):
+        changes = {"solver.nodes": cells + 1, "solver.time_step": step, "solver.tolerance": 0.0}
+        yield Setting(method, "chain", {**BASE, **METHODS[method], **changes})
+
+
+def methods(scene: Scene) -> list[str]:
+    """The methods that the scene allows."""
+    names = [TOW, *METHODS, CONTROLLED]
+    return [name for name in names if allowed(scene, next(of_method(scene, name)))]
+
+
+LEFT_OUT: Mapping[str, tuple[str, Mapping[str, object]]] = {
+    "bending": ("bending", {"cable.bending_stiffness": 0.0}),
+    "material damping": ("voigt", {"cable.axial_damping": 0.0}),
+    "waves": ("waves", {"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": ()}),
+    "finite depth of the waves": ("finite_depth", {"water.depth": 0.0}),
+    "surface of the waves": ("stretched", {"waves.surface": "held"}),
+    "friction along the seabed": ("friction", {"seabed.friction_coefficient": 0.0}),
+    "table of the axial stiffness": ("curve", {"cable.stiffness_curve": ()}),
+    "motion out of the vertical plane": ("space", {"solver.space": False}),
+    "current": ("current", {"current.speed": 0.0, "current.levels": ()}),
+}
+
+
+def leave_out(scene: Scene) -> dict[str, Mapping[str, object]]:
+    """Changes that leave out each optional effect that the scene has, where it can be left out alone."""
+    parts = parts_of(scene, "chain")
+    found = {}
+    for name, (part, changes) in LEFT_OUT.items():
+        if getattr(parts, part) is None:
+            continue
+        if allowed(scene, Setting(name, "chain", changes)):
+            found[name] = changes
+    return found
