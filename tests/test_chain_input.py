@@ -164,5 +164,5 @@ def test_a_plane_chain_refuses_a_top_that_leaves_its_plane():
         model.step(0.0, 0.01, top(y=0.1, vy=10.0))
     assert str(caught.value) == (
         "CableChain at t = 0 s: the top left the vertical plane y = const in which the model moves. "
-        "Keep top.y and top.vy constant, or set solver.space = true (chain only). Results before this time are valid."
+        "Keep top.y and top.vy constant, or set solver.space = true. Results before this time are valid."
     )

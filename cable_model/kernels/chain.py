@@ -16,6 +16,7 @@ from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 
+TOLERATED = 0.02  # such that the error of a swinging chain's tip, over its motion, is about solver.tolerance
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 TINY_STEP = 1e-4  # of the base step: over one, differences of rates are rounding
@@ -141,7 +142,7 @@ def set_off(parts, p, time, state, work):
             view.ydd[i, k] = 0.0
             view.y_old[i, k] = view.y[i, k]
     state[header.TIME] = time
-    for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED):
+    for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR):
         state[k] = 0.0
     return header.OK
 
@@ -237,14 +238,15 @@ def _accept(parts, view, h, tiny):
 
 
 @kernel
-def _local_error(parts, problem, view, c, h, like):
-    """Estimate of the acceleration that the truncation error of a step amounts to, m/s2."""
+def _local_error(parts, problem, view, state, c, time, span, path, done, h):
+    """Estimate of the acceleration that the truncation error of the step just tried from time + done amounts to, m/s2."""
     first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
-    error = second * grid.rate_error(parts.box, parts.bending, problem, view, h, like)
-    if first > 1e-12:
-        error += first * grid.rate_error(parts.box, parts.bending, problem, view, 0.0, like)
-    return error
+    share, reach = (first, 0.0) if first > 1e-12 else (second, h)
+    winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
+    before, _ = _path_at(parts, path, span, done / span)
+    after, _ = _path_at(parts, path, span, (done + h) / span)
+    return share * grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before, after, winding)
 
 
 @kernel
@@ -281,7 +283,7 @@ def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
     solver.tolerance 0: the fewest equal steps not longer than solver.time_step, cut where Newton's method fails.  Above 0: the
-    truncation error of a step, as an acceleration, is kept below tolerance * g; solver.time_step is then the longest step.
+    truncation error of a step, as an acceleration, is kept below TOLERATED tolerance g; solver.time_step is then the longest step.
     """
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
@@ -292,22 +294,24 @@ def advance(parts, p, time, span, path, state, work):
     if _leaves_plane(parts.space, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
-    like = _top_at(parts, state, 0)
     c = coefficients(int(p[23]), p[22])
     tolerance = p[24]
     base = span / max(1, math.ceil(span / p[21] - 1e-9))
-    allowed = tolerance * max(problem.cable.gravity, 1e-3)
+    allowed = TOLERATED * tolerance * max(problem.cable.gravity, 1e-3)
     h = base
     if tolerance > 0.0:
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[21]
     elif 0.0 < state[header.NEXT_STEP] < base:
         h = state[header.NEXT_STEP]
     done = 0.0
+    tried = 0.0  # error of the trial before, of the same step
     while done < span:
         rest = span - done
         used = h
         if used >= rest * (1.0 - 1e-9):
             used = rest
+        elif tolerance > 0.0:  # equal steps: every change of the step excites what it does not resolve
+            used = rest / math.ceil(rest / used - 1e-9)
         elif rest - used < 0.5 * used:  # leave no sliver: the accelerations over one would be those of rounding
             used = 0.5 * rest
         status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used)
@@ -323,13 +327,21 @@ def advance(parts, p, time, span, path, state, work):
         if tolerance > 0.0:
             ratio = 0.25
             if state[header.STEPS] > 0.0:
-                error = _local_error(parts, problem, view, c, used, like)
-                if error > 2.0 * allowed and used > SMALLEST_STEP * p[21]:
+                error = _local_error(parts, problem, view, state, c, time, span, path, done, used)
+                # an error that falls from step to step, or does not fall with the step, is what earlier steps left to ring:
+                # smaller steps would excite more of it
+                rings = error < state[header.LAST_ERROR] or (tried > 0.0 and error > 0.4 * tried)
+                if error > 2.0 * allowed and used > SMALLEST_STEP * p[21] and not rings:
                     state[header.REJECTED] += 1.0
-                    h = max(used * max(0.2, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[21])
+                    tried = error
+                    h = max(used * max(0.3, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[21])
                     continue
                 ratio = error / allowed
-            growth = min(2.0, max(0.2, 0.85 / math.sqrt(max(ratio, 1e-6))))
+                if rings:
+                    ratio = min(ratio, 0.5)
+                state[header.LAST_ERROR] = error
+                tried = 0.0
+            growth = min(2.0, max(0.3, 0.85 / math.sqrt(max(ratio, 1e-6))))
             proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0, SMALLEST_STEP * p[21]))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used

@@ -152,13 +152,16 @@ keep_tensions = by_presence(_staggered_keep, _box_keep)
 
 
 @kernel
-def _staggered_error(box, bending, problem, view, h, like):
-    return staggered_step.rate_error(problem, view.mesh, view.yd0, view.yd1, view.ydd, h, like)
+def _staggered_error(box, parts, problem, view, c, time, h, reach, before, after, winding):
+    return staggered_step.rate_error(
+        parts, problem, view.mesh, view.y, view.yd0, view.y1, view.yd1, view.ydd, c, time + (1.0 - c.alpha_k) * h, h, reach,
+        mix(1.0 - c.alpha_k, after, c.alpha_k, before), winding, view.scratch,
+    )  # fmt: skip
 
 
 @kernel
-def _box_error(box, bending, problem, view, h, like):
-    return box_step.rate_error(bending, problem, view.mesh, view.yd0, view.yd1, view.ydd, h)
+def _box_error(box, parts, problem, view, c, time, h, reach, before, after, winding):
+    return box_step.rate_error(parts.bending, problem, view.mesh, view.yd0, view.yd1, view.ydd, reach)
 
 
 rate_error = by_presence(_staggered_error, _box_error)

@@ -20,6 +20,7 @@ WINCH_SPEED = 31  # now, m/s; paying out is positive
 WINCH_INPUT = 32  # the input of the last communication step
 MESH_LENGTH = 33  # unstretched length that the mesh now has, m
 WINCH_ACCELERATION = 34
+LAST_ERROR = 35  # that the error control found in the last step, m/s2
 HEADER = 40
 
 OK = 0

@@ -18,6 +18,7 @@ from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store,
 MAX_ITERATIONS = 25
 DIVERGED = -1
 NOT_CONVERGED = -2
+FELT_TIME = 0.05  # of sqrt(L/g): vibrations much faster than this do not count as errors
 SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in slack
 
 
@@ -260,18 +261,42 @@ def keep_tensions(force, s):
 
 
 @kernel
-def rate_error(problem, mesh, yd0, yd1, ydd, h, like):
-    """Root mean square over the mass of what the accelerations differ from their linear extrapolation, m/s2."""
+def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, top, winding, s):
+    """Root mean square over the mass of what the accelerations differ from their extrapolation by `reach`, as felt, in m/s2.
+
+    Felt: the Newton matrix of a step of FELT_TIME stands for the mass, so that what the cable's stiffness takes up within that
+    time does not count.  Else waves along the cable, of no size but of large accelerations, would rule the step.
+    """
     n = mesh.shape[0] + 1
+    like = top
+    rate_old = c.alpha_m / (1.0 - c.alpha_m)
+    rate_new = 1.0 / (1.0 - c.alpha_m)
+    to_rate = 1.0 / (c.gamma * h)
+    felt_in = max(h, FELT_TIME * (problem.cable.length / max(problem.cable.gravity, 1e-3)) ** 0.5)
+    moved = felt_in * c.gamma * rate_new * (1.0 - c.alpha_k) * (1.0 - c.alpha_k)
+    gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) / (c.gamma * felt_in), moved, 1.0, h, winding)
+    top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
+    _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like)
+    assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
+    for i in range(n - 1):
+        miss = sub(axpy(-reach, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like))
+        store(s.x, i, scale(gains.a * _mass(problem, mesh, i), miss))
+        s.cells[i, 1] = 0.0
+    prescribe_ends(parts, s.bands, s.x, n, like)
+    solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
     total = 0.0
     summed = 0.0
     for i in range(n - 1):
-        mass = problem.cable.mass * mesh[i, 1] * mesh[i, 0]
-        if i > 0:
-            mass += problem.cable.mass * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
-        else:
-            mass += body_mass(problem.body)
-        miss = sub(axpy(-h, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like))
+        mass = _mass(problem, mesh, i)
+        felt = load(s.x, i, like)
         total += mass
-        summed += mass * dot(miss, miss)
+        summed += mass * dot(felt, felt)
     return (summed / total) ** 0.5
+
+
+@kernel
+def _mass(problem, mesh, i):
+    """Mass of cable, and at the lower end of the body, that node i carries."""
+    if i == 0:
+        return problem.cable.mass * mesh[0, 1] * mesh[0, 0] + body_mass(problem.body)
+    return problem.cable.mass * (mesh[i, 1] * mesh[i, 0] + (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0])
