@@ -1,4 +1,4 @@
-"""The command line of accuracy and cost: study, advise, sweep."""
+"""The command line of accuracy and cost: study, advise, sweep, peers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from cable_model.errors import ParameterError, refuse
+from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.scene import load, to_toml
 from cable_model.studies.timed import SIGNALS
 
@@ -127,3 +127,26 @@ def sweep(
     console.print(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
     for summary in failed:
         console.print(f"stopped: {summary['key']}: {summary['error']}")
+
+
+def peers(
+    case: Annotated[list[str] | None, typer.Option(help="cases by their names; default: all")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown")] = None,
+) -> None:
+    """Compare cost at equal accuracy with MoorDyn, where it is installed (extra "peers")."""
+    from cable_model.peers import compare as comparing
+
+    for name in case or []:
+        if name not in comparing.CASES:
+            raise unknown(name, comparing.CASES, "case")
+    rows = []
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("peers", total=None)
+        for name in case or comparing.CASES:
+            rows += comparing.compare(name, told=lambda text, name=name: bar.update(task, description=f"{name}: {text}"))  # type: ignore[misc]
+    text = comparing.markdown(rows)
+    console.print(text)
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text, encoding="utf-8")
+        console.print(f"wrote {output}")

@@ -1,0 +1,50 @@
+"""Peers: where MoorDyn is installed it agrees with the chain on what both can do; what is not translated is refused."""
+
+import math
+import sys
+
+import pytest
+
+from cable_model.errors import ParameterError
+from cable_model.peers import compare, moordyn
+from cable_model.scene import load, with_values
+from cable_model.studies.timed import Scale, errors, timed
+
+
+def case(name, **changes):
+    scene, values = compare.CASES[name]
+    return with_values(load(scene), {**values, **changes})
+
+
+def test_a_missing_peer_is_named_with_what_to_do(monkeypatch):
+    monkeypatch.setitem(sys.modules, "moordyn", None)
+    with pytest.raises(ParameterError, match=r"cable-fmu\[peers\]"):
+        moordyn.run(case("C4 wire, 1 m at 10 s"), 5, 1e-3)
+
+
+@pytest.mark.parametrize(("name", "tension", "position"), [("C4 wire, 1 m at 10 s", 0.04, 1e-4), ("C3 sphere, EA 22 N", 0.03, 0.005)])
+def test_moordyn_and_the_chain_agree(name, tension, position):
+    pytest.importorskip("moordyn")
+    scene = case(name)
+    ours = timed(with_values(scene, {"solver.nodes": 81, "solver.time_step": 0.0125}))
+    theirs = moordyn.run(scene, 10, 2e-3)
+    found = errors(theirs, ours, Scale.of(ours))
+    assert not theirs.error
+    assert found["tension"] < tension and found["position"] < position
+
+
+def test_what_is_not_translated_is_refused():
+    pytest.importorskip("moordyn")
+    with pytest.raises(ParameterError, match="bending"):
+        moordyn.run(load("towed_body").__class__(**{**vars(load("towed_body")), "current": load("hanging_chain").current}), 5, 1e-3)
+    with pytest.raises(ParameterError, match="anchor|seabed"):
+        moordyn.run(load("basin_chain"), 5, 1e-3)
+
+
+def test_the_table_gives_the_ratio_or_says_that_it_was_not_reached():
+    rows = [
+        compare.Row("a", 0.01, "ours", 0.001, "theirs", 0.02, 0.003),
+        compare.Row("a", 0.003, "ours", 0.002, "none", math.inf, 0.003),
+    ]
+    text = compare.markdown(rows)
+    assert "| 20.0 | 3.0e-03 |" in text and "not reached" in text
