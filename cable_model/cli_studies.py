@@ -56,7 +56,9 @@ def study(
     work_precision.write_csv(stem.with_suffix(".csv"), loaded, reference, points)
     work_precision.picture(stem.with_suffix(".png"), loaded, reference, points)
     if not reference.converged:
-        console.print("[bold red]The reference did not converge[/bold red]: errors below are differences between two runs that both may be wrong.")
+        console.print(
+            "[bold red]The reference did not converge[/bold red]: the errors below are against a run that may be wrong itself."
+        )
     for signal in SIGNALS:
         table = Table(title=f"Cheapest ways to an error of the {signal} (reference's own: {reference.own_error[signal]:.1e})")
         for column in ("error", "CPU s per simulated s", "method", "setting"):
@@ -83,7 +85,7 @@ def advise(
     if not advice.reference.converged:
         changes = ", ".join(f"{name} {value:.2g}" for name, value in advice.reference.own_error.items())
         raise ParameterError(
-            f"{scene}: no advice: the finest runs still differ ({changes}). The motion is chaotic, or the scene's own nodes and step are far "
+            f"{scene}: no advice: the finest runs still differ ({changes}). Motion is chaotic, or the scene's own nodes and step are far "
             "too coarse: shorten run.duration, or refine solver.nodes and solver.time_step."
         )
     for check in advice.checks:

@@ -7,8 +7,8 @@ from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, circling, follow, sti
 
 from cable_model import TowCable, load
 from cable_model.errors import ParameterError
-from cable_model.kernels import tow_space
 from cable_model.kernels import tow as plane
+from cable_model.kernels import tow_space
 from cable_model.kernels.problem import PARAMETERS
 from cable_model.scene import with_values
 
@@ -145,7 +145,11 @@ def test_power_balance_closes_at_any_state(variant):
                     size = a * omega * np.exp(k * min(place[2], 0.0))
                     flow = flow + size * (np.cos(angle) * ahead + np.array([0.0, 0.0, np.sin(angle)]))
                 relative = flow - v
-                axis, cn, ct = e, p["cable.normal_drag_coefficient"] * diameter * length, p["cable.tangential_drag_coefficient"] * diameter * length
+                axis, cn, ct = (
+                    e,
+                    p["cable.normal_drag_coefficient"] * diameter * length,
+                    p["cable.tangential_drag_coefficient"] * diameter * length,
+                )
                 if body:
                     tilt = p["tow.body_angle"]
                     axis, cn, ct = np.array([-np.sin(tilt), 0.0, -np.cos(tilt)]), p["body.drag_area"], p["tow.drag_area_axial"]
@@ -202,7 +206,13 @@ def test_turning_a_scene_about_the_vertical_turns_the_answer():
 @pytest.mark.parametrize("tilt", [0.2, 0.9, 1.4])
 def test_conical_pendulum(tilt):
     """A body on a massless cable circles at omega^2 = g/(L cos tilt), its stretch M g/(k cos tilt); it comes round to where it began."""
-    p = {"cable__axial_stiffness": 1e6, "tow__reference_tension": 0.0, "tow__poisson_ratio": 0.0, "cable__axial_damping": 0.0, "solver__tolerance": 1e-10}
+    p = {
+        "cable__axial_stiffness": 1e6,
+        "tow__reference_tension": 0.0,
+        "tow__poisson_ratio": 0.0,
+        "cable__axial_damping": 0.0,
+        "solver__tolerance": 1e-10,
+    }
     model = tow(DRY._replace(space=True, cable_mass=None), **p, cable__mass_per_length=1e-9)
     model.initialize(still())
     stretch = 150.0 * 9.81 / np.cos(tilt) / (1e6 / 60.0)

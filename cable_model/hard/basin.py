@@ -85,7 +85,9 @@ def draw(path: Path, runs: Runs) -> None:
     axis = axes["maxima"]
     for radius, marker in zip(BASIN_RADII, "o^s", strict=True):
         rows = [row for row in maxima() if row[0] == radius]
-        axis.plot([row[1] for row in rows], [row[2] for row in rows], color="black", marker=marker, linestyle="none", markerfacecolor="none")
+        axis.plot(
+            [row[1] for row in rows], [row[2] for row in rows], color="black", marker=marker, linestyle="none", markerfacecolor="none"
+        )
         ours = [cycles(runs[basin_label(radius, row[1])]).max(axis=1).mean() for row in rows]
         axis.plot([row[1] for row in rows], ours, color="tab:red", marker=".", linewidth=0.8)
     axis.set(xlabel="period [s]", ylabel="mean cycle maximum [N]", title="open: measured; red: CableChain")

@@ -52,7 +52,8 @@ def _input_file(scene: Scene, segments: int, step: float, scheme: str, settle: f
     added = body.added_mass / (density * body.volume) if scene.water is not None and body.volume > 0.0 else 0.0
     damping = cable.axial_damping or -0.1  # negative: share of the critical one of a segment
     rows = [
-        "MoorDyn input", "--- LINE TYPES ---", "Name Diam MassDen EA BA EI Cd Ca CdAx CaAx", "(-) (m) (kg/m) (N) (N-s) (N-m2) (-) (-) (-) (-)",
+        "MoorDyn input", "--- LINE TYPES ---", "Name Diam MassDen EA BA EI Cd Ca CdAx CaAx",
+        "(-) (m) (kg/m) (N) (N-s) (N-m2) (-) (-) (-) (-)",
         f"cable {diameter} {cable.mass_per_length} {cable.axial_stiffness} {damping} 0 {cable.normal_drag_coefficient} "
         f"{cable.added_mass_coefficient} {cable.tangential_drag_coefficient / np.pi} 0",
         "--- POINTS ---", "ID Type X Y Z Mass Volume CdA Ca", "(-) (-) (m) (m) (m) (kg) (m3) (m2) (-)",

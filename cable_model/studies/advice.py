@@ -58,9 +58,7 @@ def _search(
             found = min(found, _predicted(setting, scene))
 
 
-def advise(
-    scene: Scene, accuracy: float, signals: tuple[str, ...] = SIGNALS, progress: Callable[[str], None] | None = None
-) -> Advice:
+def advise(scene: Scene, accuracy: float, signals: tuple[str, ...] = SIGNALS, progress: Callable[[str], None] | None = None) -> Advice:
     """The cheapest way found to run a scene with rms errors of `signals` below `accuracy` of their dynamic rms."""
 
     def told(text: str) -> None:
@@ -113,7 +111,8 @@ def price(advice: Advice, factor: float = 10.0) -> str:
         if point.setting != advice.choice.setting:
             gain = worst(advice.choice.errors) / worst(point.errors)
             if gain >= 2.0:
-                return f"measured: {gain:.2g} times the accuracy for {point.cost / advice.choice.cost:.2g} times the time ({point.setting.label})"
+                dearer = point.cost / advice.choice.cost
+                return f"measured: {gain:.2g} times the accuracy for {dearer:.2g} times the time ({point.setting.label})"
     if advice.choice.setting.model == "tow":
         return "TowCable's error is that of a straight cable: more accuracy needs the chain"
     return f"expected: {factor:g} times the accuracy for about {factor:g} times the time (second order in nodes and step)"

@@ -45,7 +45,9 @@ def allowed(scene: Scene, setting: Setting) -> bool:
         parts_of(with_values(scene, setting.changes), setting.model)
     except ParameterError:
         return False
-    return setting.model != "tow" or not (scene.lower_end.anchored or scene.lower_end.released or scene.winch.fitted or scene.seabed.stiffness)
+    return setting.model != "tow" or not (
+        scene.lower_end.anchored or scene.lower_end.released or scene.winch.fitted or scene.seabed.stiffness
+    )
 
 
 def of_method(scene: Scene, method: str, quick: bool = False) -> Iterator[Setting]:

@@ -1,4 +1,4 @@
-"""Sweeps: a scene at every combination of given values, over all cores or a dask cluster; each result is a file, so nothing is done twice."""
+"""Sweeps: a scene at every combination of given values, on all cores or a dask cluster; results are files, so nothing is done twice."""
 
 from __future__ import annotations
 
@@ -20,7 +20,16 @@ from cable_model.models import MODELS
 from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.simulation import simulate, write_csv
 
-MEASURES = ("top.tension mean", "top.tension std", "top.tension min", "top.tension max", "body.x min", "body.x max", "body.z min", "body.z max")
+MEASURES = (
+    "top.tension mean",
+    "top.tension std",
+    "top.tension min",
+    "top.tension max",
+    "body.x min",
+    "body.x max",
+    "body.z min",
+    "body.z max",
+)
 ATTEMPTS = 3  # of a pool whose worker died
 
 
@@ -106,7 +115,9 @@ def run(
         except BrokenProcessPool as broken:
             if attempt == ATTEMPTS - 1:
                 names = ", ".join(str(job.values) for job in missing(wanted, folder)[:workers])
-                raise SolverError(f"a worker died {ATTEMPTS} times, last at one of: {names}. Finished runs are kept in {folder}.") from broken
+                raise SolverError(
+                    f"a worker died {ATTEMPTS} times, last at one of: {names}. Finished runs are kept in {folder}."
+                ) from broken
     return [json.loads((folder / f"{job.key}.json").read_text(encoding="utf-8")) for job in wanted]
 
 

@@ -1,4 +1,4 @@
-"""Whether a straight cable may stand for the scene, from its scales: drag penetration, axial resonance, slack; no simulation but TowCable's own."""
+"""Whether a straight cable may stand for the scene, by its scales: drag penetration, resonance, slack; it runs TowCable alone."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def all_settings(scene: Scene, quick: bool = False) -> Iterator[Setting]:
 
 
 def study(scene: Scene, quick: bool = False, progress: Callable[[str, float], None] | None = None) -> tuple[Reference, list[Point]]:
-    """The reference and all points; `progress` is told what runs and the share that is done.  Every kernel is compiled before it is timed."""
+    """The reference and all points; `progress` is told what runs and the share that is done.  Kernels are compiled before they are timed."""
     told = (lambda text: progress(text, 0.0)) if progress is not None else None
     reference = converge(scene, 10.0 * TARGET if quick else TARGET, progress=told)
     wanted = list(all_settings(scene, quick))
@@ -85,7 +85,9 @@ def machine() -> str:
     import numpy
 
     own = metadata.version("cable-fmu")
-    return f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}, cable-fmu {own}"
+    return (
+        f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}, cable-fmu {own}"
+    )
 
 
 def write_csv(path: Path, scene: Scene, reference: Reference, points: Sequence[Point]) -> None:
@@ -118,9 +120,13 @@ def picture(path: Path, scene: Scene, reference: Reference, points: Sequence[Poi
             best = [p for p in front(own, signal) if p.errors[signal] < 3.0]
             colour = f"C{k % 10}"
             axis.plot([p.errors[signal] for p in good], [p.cost for p in good], ".", color=colour, markersize=2, alpha=0.5)
-            axis.plot([p.errors[signal] for p in best], [p.cost for p in best], "-o", color=colour, markersize=3, linewidth=1.0, label=method)
+            axis.plot(
+                [p.errors[signal] for p in best], [p.cost for p in best], "-o", color=colour, markersize=3, linewidth=1.0, label=method
+            )
         cheapest = [p for p in front(points, signal) if p.errors[signal] < 0.3 and not p.setting.method.startswith(WITHOUT)]
-        axis.plot([p.errors[signal] for p in cheapest], [p.cost for p in cheapest], color="black", linewidth=4, alpha=0.15, label="cheapest front")
+        axis.plot(
+            [p.errors[signal] for p in cheapest], [p.cost for p in cheapest], color="black", linewidth=4, alpha=0.15, label="cheapest front"
+        )
         marked: float = math.inf
         for p in cheapest:
             if p.errors[signal] < 0.45 * marked:
@@ -129,7 +135,9 @@ def picture(path: Path, scene: Scene, reference: Reference, points: Sequence[Poi
                               textcoords="offset points")  # fmt: skip
         if reference.converged:
             axis.axvline(reference.own_error[signal], color="grey", linestyle=":", linewidth=1, label="reference's own error")
-        axis.set(xscale="log", yscale="log", xlabel=f"error of the {titles[signal]}, rms over its dynamic rms", ylabel="CPU s per simulated s")
+        axis.set(
+            xscale="log", yscale="log", xlabel=f"error of the {titles[signal]}, rms over its dynamic rms", ylabel="CPU s per simulated s"
+        )
         axis.invert_xaxis()
         axis.grid(alpha=0.3, which="both")
     panels[0].legend(fontsize=6, loc="upper left")

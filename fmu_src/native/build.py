@@ -47,7 +47,10 @@ _ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
     "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,
     "tension_floor": PRESENT, "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
 }  # fmt: skip
-GENERIC: dict[str, tuple[Variant, ...]] = {"chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}), "tow": (_ANY_TOW, _ANY_TOW | {"space": PRESENT, "as_printed": ABSENT})}
+GENERIC: dict[str, tuple[Variant, ...]] = {
+    "chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}),
+    "tow": (_ANY_TOW, _ANY_TOW | {"space": PRESENT, "as_printed": ABSENT}),
+}
 
 
 def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
