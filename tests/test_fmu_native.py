@@ -258,7 +258,8 @@ def test_the_rules_written_for_c_are_those_of_scenes(key: str):
         values = [row.start for row in rows]
         for vr, row in enumerate(rows):
             if row.causality == "parameter" and (row.minimum or 0.0) <= 0.0 and not row.minimum_excluded and draw.random() < 0.35:
-                values[vr] = {"Boolean": True, "Integer": 1, "Real": 0.3}[row.kind] if draw.random() < 0.6 else type(row.start)(0)
+                real = 0.3 if row.maximum is None else min(0.3, row.maximum)
+                values[vr] = {"Boolean": True, "Integer": 1, "Real": real}[row.kind] if draw.random() < 0.6 else type(row.start)(0)
         values[next(vr for vr, row in enumerate(rows) if row.name == "environment.gravity")] = 9.8
         named = {row.name: values[vr] for vr, row in enumerate(rows) if row.causality == "parameter"}
         broken = [r for r in refusals if _hold(r.literals, values, rules)]

@@ -54,7 +54,7 @@ def all_settings(scene: Scene, quick: bool = False) -> Iterator[Setting]:
 
 
 def study(scene: Scene, quick: bool = False, progress: Callable[[str, float], None] | None = None) -> tuple[Reference, list[Point]]:
-    """The reference and all points; `progress` is told what runs and the share that is done.  Kernels are compiled before they are timed."""
+    """The reference and all points; `progress` is told what runs and the share that is done.  Kernels are compiled before timing."""
     told = (lambda text: progress(text, 0.0)) if progress is not None else None
     reference = converge(scene, 10.0 * TARGET if quick else TARGET, progress=told)
     wanted = list(all_settings(scene, quick))
