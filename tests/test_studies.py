@@ -76,7 +76,7 @@ def test_study_writes_every_run_and_a_picture(tmp_path):
     assert (tmp_path / "sway.png").stat().st_size > 20_000
 
 
-@pytest.mark.parametrize("wanted", [0.03, 0.003])
+@pytest.mark.parametrize("wanted", [0.03, pytest.param(0.003, marks=pytest.mark.long)])
 def test_the_advised_setting_meets_the_accuracy_against_a_finer_run(wanted):
     found = advice.advise(SWAY, wanted)
     assert found.choice is not None and found.choice.setting.model == "chain"
@@ -87,6 +87,7 @@ def test_the_advised_setting_meets_the_accuracy_against_a_finer_run(wanted):
     assert max(true.values()) > 0.02 * wanted  # and is no overkill
 
 
+@pytest.mark.long  # compiles four sets of effects
 def test_advice_leaves_out_an_effect_that_does_nothing_and_keeps_one_that_does():
     scene = with_values(SWAY, {"cable.bending_stiffness": 0.02, "cable.axial_damping": 10.0})
     found = advice.advise(scene, 0.03)

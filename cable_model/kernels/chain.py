@@ -17,9 +17,10 @@ from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 
 TOLERATED = 0.02  # such that the error of a swinging chain's tip, over its motion, is about solver.tolerance
+LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
-TINY_STEP = 1e-4  # of the base step: over one, differences of rates are rounding
+TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g): over one, differences of rates are rounding
 
 
 class View(NamedTuple):
@@ -295,7 +296,8 @@ def advance(parts, p, time, span, path, state, work):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
     c = coefficients(int(p[23]), p[22])
-    tolerance = p[24]
+    tolerance = min(p[24], LARGEST_TOLERANCE)
+    tiny = TINY_STEP * min(p[21], math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3)))
     base = span / max(1, math.ceil(span / p[21] - 1e-9))
     allowed = TOLERATED * tolerance * max(problem.cable.gravity, 1e-3)
     h = base
@@ -345,7 +347,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0, SMALLEST_STEP * p[21]))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(parts, view, used, used < TINY_STEP * p[21])
+        _accept(parts, view, used, used < tiny)
         state[header.STEP] = used
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status
