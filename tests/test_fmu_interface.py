@@ -117,6 +117,7 @@ def test_every_parameter_reaches_the_scene():
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
+        needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
         changed = scene_from_values(base, {**values, **extra})
         expected = row.choices[value] if row.choices else value
