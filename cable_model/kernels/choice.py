@@ -7,6 +7,8 @@ in their types.  A choice made here compiles one side only, so the two sides may
 from numba import types
 from numba.extending import overload
 
+from cable_model.kernels.jit import inner_options
+
 
 def by_presence(absent, present):
     """A function f(part, ...) that is `absent` where part is None and `present` otherwise."""
@@ -15,7 +17,7 @@ def by_presence(absent, present):
         return absent(part, *args) if part is None else present(part, *args)
 
     # not inline="always": numba 0.68 then loses stores of the inlined kernel
-    @overload(choose)
+    @overload(choose, jit_options=inner_options())
     def _compiled(part, *args):
         if isinstance(part, types.NoneType) or part is None:
             return lambda part, *args: absent(part, *args)
