@@ -11,9 +11,8 @@ from cable_model.scene import load, with_values
 from cable_model.studies.timed import Scale, errors, timed
 
 
-def case(name, **changes):
-    scene, values = compare.CASES[name]
-    return with_values(load(scene), {**values, **changes})
+def case(name):
+    return compare.CASES[name].load()
 
 
 def test_a_missing_peer_is_named_with_what_to_do(monkeypatch):
@@ -43,8 +42,8 @@ def test_what_is_not_translated_is_refused():
 
 def test_the_table_gives_the_ratio_or_says_that_it_was_not_reached():
     rows = [
-        compare.Row("a", 0.01, "ours", 0.001, "theirs", 0.02, 0.003),
-        compare.Row("a", 0.003, "ours", 0.002, "none", math.inf, 0.003),
+        compare.Row("a", 0.01, "ours", 0.001, "theirs", "coarse", 0.02, 0.003),
+        compare.Row("a", 0.003, "ours", 0.002, "theirs", "", math.inf, 0.003, "it stopped"),
     ]
     text = compare.markdown(rows)
-    assert "| 20.0 | 3.0e-03 |" in text and "not reached" in text
+    assert "| 20.0 | 3.0e-03 |" in text and "| it stopped | - | not reached |" in text

@@ -3,102 +3,168 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cable_model.peers import moordyn
+from cable_model.peers import cabledyn, moordyn
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.advice import advise
 from cable_model.studies.timed import SIGNALS, Scale, Timed, errors, timed, worst
 from cable_model.studies.work_precision import machine
 
 ACCURACIES = (0.01, 0.003)
-SEGMENTS = (5, 10, 20, 40, 80)  # of the peer; the last is its reference
-COURANT = (1.6, 0.8)  # of 1/(highest frequency of its lumped masses): steps that are tried, the longest first
+SEGMENTS = (5, 10, 20, 40, 80, 160)
+COURANT = (1.6, 0.8)  # of 1/(highest frequency of MoorDyn's lumped masses): its steps, the longest first
+IMPLICIT_STEPS = (1.0, 0.5, 0.2, 0.1, 0.05)  # of the output step: those of CableDyn, which is implicit
 REPETITIONS = 5
+LONGEST = 40.0  # processor seconds of a run: finer settings of that code are not tried
+PROBE = 0.01  # of a run, by which its time is judged beforehand
 HEAVE = [{"kind": "sinusoid", "axis": "z", "amplitude": 1.0, "angular_frequency": 0.2 * math.pi, "ramp_time": 10.0}]
-CASES: Mapping[str, tuple[str, Mapping[str, object]]] = {
-    "forced chain, EA 1e4 weights": ("hanging_chain", {}),
-    "C3 sphere, EA 22 N": ("dale_sphere", {"cable.axial_stiffness": 22.0, "run.duration": 60.0}),
-    "C3 sphere, EA 4448 N": ("dale_sphere", {"run.duration": 60.0}),
-    "C4 wire, 1 m at 10 s": ("hard/snap", {"cable.axial_damping": 0.0, "top.motion": HEAVE, "run.duration": 60.0, "run.output_step": 0.1,
-                                           "solver.lambda_infinity": -0.9}),
+FREE = {"cable.bending_stiffness": 0.0}
+WIRE = {"cable.axial_damping": 0.0, "top.motion": HEAVE, "run.duration": 60.0, "run.output_step": 0.1, "solver.lambda_infinity": -0.9}
+Changes = Mapping[str, object]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene with changes, and the signals in which it is judged."""
+
+    scene: str
+    changes: Changes
+    signals: tuple[str, ...] = SIGNALS
+
+    def load(self) -> Scene:
+        return with_values(load(self.scene), self.changes)
+
+
+CASES: Mapping[str, Case] = {
+    # the tension of a freely swinging chain changes by 1e-5 only
+    "C1 free chain, EA 1e4 weights": Case("free_chain", {**FREE, "cable.axial_stiffness": 1e4}, ("position",)),
+    "C2 free chain, EA 1e9 weights": Case("free_chain", FREE, ("position",)),
+    "C3 sphere, EA 22 N": Case("dale_sphere", {"cable.axial_stiffness": 22.0, "run.duration": 60.0}),
+    "C3 sphere, EA 4448 N": Case("dale_sphere", {"run.duration": 60.0}),
+    "C4 wire, 1 m at 10 s": Case("hard/snap", WIRE),
+    "C5 tow in a circle": Case("hard/tow_circle", {**FREE, "cable.volume_per_length": -1.0, "current.levels": (), "run.duration": 690.0}),
+    "forced chain, EA 1e4 weights": Case("hanging_chain", {}),
 }  # fmt: skip
 
 
 @dataclass(frozen=True)
+class Run:
+    """One setting of a code, what it gave, and how to run it again."""
+
+    words: str
+    again: Callable[[], Timed]
+    result: Timed
+
+
+@dataclass(frozen=True)
 class Row:
-    """One accuracy on one case; a cost is processor seconds per simulated second, infinite where the code did not get there."""
+    """One accuracy of one code on one case; a cost is processor seconds per simulated second, infinite where it was not reached."""
 
     case: str
     accuracy: float
     ours: str
     our_cost: float
-    peer: str
-    peer_cost: float
+    code: str
+    setting: str
+    cost: float
     apart: float  # largest difference of the two codes' references, over the dynamic rms
+    why: str = ""  # it was not reached
 
 
 def _highest_frequency(scene: Scene, segments: int) -> float:
     cable = scene.cable
-    length = cable.length / segments
-    return 2.0 * math.sqrt(cable.axial_stiffness / cable.mass_per_length) / length
+    return 2.0 * math.sqrt(cable.axial_stiffness / cable.mass_per_length) * segments / cable.length
 
 
-def _peer_runs(scene: Scene, told: Callable[[str], None]) -> Iterator[tuple[str, Timed]]:
-    for segments in SEGMENTS:
-        for share in COURANT:
-            step = share / _highest_frequency(scene, segments)
-            told(f"MoorDyn: {segments} segments, step {step:.2g} s")
-            runs = [moordyn.run(scene, segments, step)]
-            if segments < SEGMENTS[-1]:
-                runs += [moordyn.run(scene, segments, step) for _ in range(REPETITIONS - 1)]
-            best = sorted(runs, key=lambda run: run.seconds)[len(runs) // 2]
-            yield f"{segments} segments, RK4 {step:.2g} s", best
+def _moordyn_settings(scene: Scene) -> list[tuple[int, float]]:
+    return [(n, share / _highest_frequency(scene, n)) for n in SEGMENTS for share in COURANT]
+
+
+def _cabledyn_settings(scene: Scene) -> list[tuple[int, float]]:
+    return [(n, share * scene.run.output_step) for n in SEGMENTS for share in IMPLICIT_STEPS]
+
+
+CODES: Mapping[str, tuple[Callable[[Scene, int, float], Timed], Callable[[Scene], list[tuple[int, float]]]]] = {
+    "MoorDyn": (moordyn.run, _moordyn_settings),
+    "CableDyn": (cabledyn.run, _cabledyn_settings),
+}
+
+
+def _runs(code: str, scene: Scene, told: Callable[[str], None]) -> tuple[list[Run], str]:
+    """All runs of a code that take no longer than LONGEST, and how long the first too long one would have taken."""
+    run, settings = CODES[code]
+    done: list[Run] = []
+    left_out = ""
+    short = with_values(scene, {"run.duration": max(PROBE * scene.run.duration, 2.0 * scene.run.output_step)})
+    for segments, step in settings(scene):
+        words = f"{segments} segments, step {step:.2g} s"
+        told(f"{code}: {words}")
+        expected = run(short, segments, step).seconds * scene.run.duration / short.run.duration
+        if expected > LONGEST:
+            left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
+            continue
+        done.append(Run(words, lambda n=segments, h=step: run(scene, n, h), run(scene, segments, step)))  # type: ignore[misc]
+    return done, left_out
+
+
+def _cheapest(runs: Sequence[Run], accuracy: float, signals: tuple[str, ...]) -> tuple[str, float, str]:
+    """Setting and seconds, medians of REPETITIONS, of the cheapest run that is accurate against the finest; or why there is none."""
+    finest = max((run for run in runs if not run.result.error), key=lambda run: run.result.seconds, default=None)
+    if finest is None:
+        return "", math.inf, runs[0].result.error if runs else ""
+    scale = Scale.of(finest.result)
+    found = [(worst(errors(run.result, finest.result, scale), signals), run) for run in runs if run is not finest]
+    for _, run in sorted(found, key=lambda pair: pair[1].result.seconds):
+        if worst(errors(run.result, finest.result, scale), signals) <= accuracy:
+            return run.words, sorted(run.again().seconds for _ in range(REPETITIONS))[REPETITIONS // 2], ""
+    least = min((error for error, _ in found), default=math.inf)
+    return "", math.inf, f"its runs differ from its finest ({finest.words}) by {100.0 * least:.2g} % or more"
 
 
 def compare(case: str, accuracies: Sequence[float] = ACCURACIES, told: Callable[[str], None] = print) -> list[Row]:
     """Rows of a case.  Times are medians of REPETITIONS runs, of the steps alone, all in this process."""
-    name, changes = CASES[case]
-    scene = with_values(load(name), changes)
-    peers = list(_peer_runs(scene, told))
-    good = [run for _, run in peers if not run.error]
+    chosen = CASES[case]
+    scene, signals = chosen.load(), chosen.signals
+    theirs = {code: _runs(code, scene, told) for code in CODES}
     rows = []
     for accuracy in accuracies:
-        advice = advise(scene, accuracy, progress=told)
+        advice = advise(scene, accuracy, signals, progress=told)
         ours, our_cost = "none", math.inf
         if advice.choice is not None:
             seconds = sorted(timed(advice.scene).seconds for _ in range(REPETITIONS))[REPETITIONS // 2]
             ours, our_cost = f"{advice.choice.setting.method}, {advice.choice.setting.label}", seconds / scene.run.duration
-        peer, peer_cost, apart = "none", math.inf, math.nan
-        if good:
-            finest, scale = good[-1], Scale.of(good[-1])
-            apart = worst(errors(finest, advice.reference.run, advice.reference.scale))
-            met = [(run.seconds, label) for label, run in peers if run is not finest and worst(errors(run, finest, scale)) <= accuracy]
-            if met:
-                seconds, peer = min(met)
-                peer_cost = seconds / scene.run.duration
-        rows.append(Row(case, accuracy, ours, our_cost, peer, peer_cost, apart))
+        for code, (runs, left_out) in theirs.items():
+            setting, seconds, why = _cheapest(runs, accuracy, signals)
+            good = [run.result for run in runs if not run.result.error]
+            finest = max(good, key=lambda run: run.seconds, default=None)
+            apart = worst(errors(finest, advice.reference.run, advice.reference.scale), signals) if finest is not None else math.nan
+            why = "; ".join(text for text in (why, left_out) if text) if not setting else ""
+            rows.append(Row(case, accuracy, ours, our_cost, code, setting, seconds / scene.run.duration, apart, why))
     return rows
 
 
 def markdown(rows: Sequence[Row]) -> str:
     """The rows as a table, with what they were measured on."""
     lines = [
-        "# Cost at equal accuracy, beside MoorDyn",
+        "# Cost at equal accuracy, beside MoorDyn and CableDyn",
         "",
         "Written by `python -m cable_model peers -o docs/peers.md` (extra `peers`).  Accuracy: rms error of top tension and of the lower",
-        f"end's position ({' and '.join(SIGNALS)}, the larger), over their dynamic rms, each code against its own converged reference; the",
-        "last column is how far the two references are apart.  Processor seconds per simulated second of the steps alone, medians of",
-        f"{REPETITIONS} runs in one process; MoorDyn's top is moved in pieces of an output step.",
+        f"end's position ({' and '.join(SIGNALS)}, the larger; position alone in C1 and C2), over their dynamic rms, each code against",
+        "its own finest run; the last column is how far that is from our converged reference.  Processor seconds per simulated second",
+        f"of the steps alone, medians of {REPETITIONS} runs in one process; settings of a peer that take more than {LONGEST:g} s are not",
+        "run.  MoorDyn: RK4, its top moved in pieces of an output step; CableDyn: its coupled point, which is what its Python interface",
+        "moves.",
         f"{machine()}.",
         "",
-        "| case | accuracy | ours | CPU s/s | MoorDyn | CPU s/s | MoorDyn / ours | references apart |",
-        "|---|---:|---|---:|---|---:|---:|---:|",
+        "| case | accuracy | ours | CPU s/s | code | its setting | CPU s/s | times ours | references apart |",
+        "|---|---:|---|---:|---|---|---:|---:|---:|",
     ]
     for r in rows:
-        ratio = f"{r.peer_cost / r.our_cost:.1f}" if math.isfinite(r.peer_cost) else "not reached"
+        cost, ratio = (f"{r.cost:.2g}", f"{r.cost / r.our_cost:.1f}") if math.isfinite(r.cost) else ("-", "not reached")
         lines.append(
-            f"| {r.case} | {100 * r.accuracy:g} % | {r.ours} | {r.our_cost:.2g} | {r.peer} | {r.peer_cost:.2g} | {ratio} | {r.apart:.1e} |"
+            f"| {r.case} | {100 * r.accuracy:g} % | {r.ours} | {r.our_cost:.2g} | {r.code} | {r.setting or r.why} | {cost} | {ratio} "
+            f"| {r.apart:.1e} |"
         )
     return "\n".join(lines) + "\n"
