@@ -56,9 +56,7 @@ def study(
     work_precision.write_csv(stem.with_suffix(".csv"), loaded, reference, points)
     work_precision.picture(stem.with_suffix(".png"), loaded, reference, points)
     if not reference.converged:
-        console.print(
-            "[bold red]The reference did not converge[/bold red]: the errors below are against a run that may be wrong itself."
-        )
+        console.print("[bold red]The reference did not converge[/bold red]: the errors below are against a run that may be wrong itself.")
     for signal in SIGNALS:
         table = Table(title=f"Cheapest ways to an error of the {signal} (reference's own: {reference.own_error[signal]:.1e})")
         for column in ("error", "CPU s per simulated s", "method", "setting"):

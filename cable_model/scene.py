@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.errors import ParameterError, refuse, unknown
-from cable_model.kernels.family import INTEGRATORS
-from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.kernels.parts import INTEGRATORS, PARAMETERS, Parts
 from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
 from cable_model.quantity import build, quantity
 from cable_model.sea import check_waves, components

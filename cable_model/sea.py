@@ -7,10 +7,26 @@ import math
 import numpy as np
 
 from cable_model.errors import refuse
-from cable_model.kernels.waves import wave_number
 from cable_model.parameters import Waves
 
 LOWEST, HIGHEST = 0.3, 6.0  # of the peak frequency: beyond them the spectra hold less than 1 % of the energy
+DEEP = 40.0  # k depth beyond which water is deep
+
+
+def wave_number(omega: float, depth: float, gravity: float) -> float:
+    """k of omega^2 = g k tanh(k depth), 1/m, by Newton's method; depth 0: deep water."""
+    deep = omega * omega / gravity
+    if depth <= 0.0 or deep * depth > DEEP:
+        return deep
+    y = deep * depth
+    x = y / math.sqrt(math.tanh(y))  # k depth; within 6 % everywhere
+    for _ in range(20):
+        t = math.tanh(x)
+        step = (x * t - y) / (t + x * (1.0 - t * t))
+        x -= step
+        if abs(step) <= 1e-15 * x:
+            break
+    return x / depth
 
 
 def spectral_density(waves: Waves, omega: np.ndarray) -> np.ndarray:

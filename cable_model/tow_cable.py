@@ -8,7 +8,7 @@ import numpy as np
 
 from cable_model.errors import unknown
 from cable_model.kernels import header, tow, tow_space, tow_step
-from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.kernels.parts import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.signals import OUTPUTS
 

@@ -14,7 +14,8 @@ from cable_model.kernels import box, box_step
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box_law import Gains, unknowns
 from cable_model.kernels.family import coefficients
-from cable_model.kernels.problem import Body, Cable, Parts, Water
+from cable_model.kernels.parts import Parts
+from cable_model.kernels.problem import Body, Cable, Water
 from cable_model.kernels.staggered_step import Numeric, Problem
 
 WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]])

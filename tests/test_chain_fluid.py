@@ -6,7 +6,8 @@ from chain_support import WIRE, drive, every, make, swing
 from scipy.optimize import brentq
 
 from cable_model.kernels.fluid import body_drag, element_drag
-from cable_model.kernels.problem import Parts, Water
+from cable_model.kernels.parts import Parts
+from cable_model.kernels.problem import Water
 from cable_model.kernels.waves import wave_motion
 
 WAVE = np.array([[0.8, 1.1, 1.1**2 / 9.81, 0.6, 0.3, 0.0]])  # amplitude, omega, k = omega^2/g, direction, phase

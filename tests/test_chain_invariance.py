@@ -70,7 +70,7 @@ def test_a_uniform_current_is_a_moving_frame():
     moving.state[header.TOP + 3] += speed
     now = view(moving)
     n = now.y.shape[0] // 2
-    for rates in (now.y[n:], now.y_old[n:], now.yd[n - 1 : n]):  # velocities now and before, and the drift of the top
+    for rates in (now.y[n:], now.yd[n - 1 : n]):  # velocities, and the drift of the top
         rates[:, 0] += speed
     for k in range(160):
         fixed.advance(0.05 * k, 0.05, motion(0.05 * k), motion(0.05 * (k + 1)))

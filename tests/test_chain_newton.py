@@ -9,7 +9,8 @@ from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unrol
 from cable_model.kernels import seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
-from cable_model.kernels.family import INTEGRATORS, Coefficients, coefficients
+from cable_model.kernels.family import Coefficients, coefficients
+from cable_model.kernels.parts import INTEGRATORS
 from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
 

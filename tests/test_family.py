@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from cable_model.kernels.family import INTEGRATORS, coefficients
+from cable_model.kernels.family import coefficients
+from cable_model.kernels.parts import INTEGRATORS
 
 DECAYS = (0.01, 0.1, 1.0, 10.0, 1e4)  # z = dt K/M
 LAMBDAS = (-0.9, -0.7, -0.5, -0.25, 0.0)

@@ -19,7 +19,7 @@ from fmu_support import Fmu
 
 from cable_model import parameters
 from cable_model.errors import ParameterError
-from cable_model.kernels.family import INTEGRATORS
+from cable_model.kernels.parts import INTEGRATORS
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import EFFECTS, generic_scene, scene_from_values, scene_name, table

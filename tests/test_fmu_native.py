@@ -20,7 +20,7 @@ from test_fmu_input import BAD_PARAMETERS, BAD_STEPS, STEP
 
 from cable_model.effects import effects, one_line
 from cable_model.errors import ParameterError
-from cable_model.kernels.problem import PARAMETERS
+from cable_model.kernels.parts import PARAMETERS
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.scene import Scene, load, numbers_of, parts_of, with_values

@@ -8,7 +8,7 @@ from tow_reference import DRY, NUMBERS, SHEAR, SLOW, WAVES, WET, Reference, circ
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_step
 from cable_model.kernels import tow as kernels
-from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.kernels.parts import PARAMETERS, Parts
 
 VARIANTS = {
     "all": ({}, WET._replace(waves=WAVES)),

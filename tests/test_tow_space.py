@@ -9,7 +9,7 @@ from cable_model import TowCable, load
 from cable_model.errors import ParameterError
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
-from cable_model.kernels.problem import PARAMETERS
+from cable_model.kernels.parts import PARAMETERS
 from cable_model.scene import with_values
 
 SPACE = WET._replace(space=True)

@@ -9,11 +9,11 @@ from scipy.integrate import quad
 
 from cable_model import scene
 from cable_model.errors import ParameterError
-from cable_model.kernels.problem import Parts
-from cable_model.kernels.waves import elevation, wave_motion, wave_number
+from cable_model.kernels.parts import Parts
+from cable_model.kernels.waves import elevation, wave_motion
 from cable_model.parameters import Waves
 from cable_model.scene import parts_of
-from cable_model.sea import components, spectral_density
+from cable_model.sea import components, spectral_density, wave_number
 from cable_model.tow_cable import TowCable
 
 G = 9.81

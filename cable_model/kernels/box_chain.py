@@ -34,7 +34,7 @@ def _guess_stiffness(inextensible, cable, weight):
 
 
 @kernel
-def _staggered_guess(parts, problem, p, mesh, y, top, anchor, time, work):
+def _staggered_guess(parts, problem, p, mesh, y, contraction, top, anchor, time, work):
     """Equilibrium on the staggered grid, its cells' tensions and angles taken to the nodes."""
     n = mesh.shape[0] + 1
     m = 4 * n
@@ -45,7 +45,7 @@ def _staggered_guess(parts, problem, p, mesh, y, top, anchor, time, work):
     force = work[4 * m : 4 * m + n - 1]
     status = staggered_chain.equilibrium(
         parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground), p, mesh, q,
-        work[m : 2 * m].reshape((2 * n, 2)), work[2 * m : 3 * m].reshape((2 * n, 2)), work[3 * m : 4 * m].reshape((2 * n, 2)),
+        work[m : 2 * m].reshape((2 * n, 2)), contraction, work[2 * m : 3 * m].reshape((2 * n, 2)), work[3 * m : 4 * m].reshape((2 * n, 2)),
         force, top, anchor, time, staggered_step.cut_scratch(work[4 * m + n :], n, (0.0, 0.0)),
     )  # fmt: skip
     if status != header.OK:
@@ -99,12 +99,12 @@ def cell_vector(inextensible, y, i):
 
 
 @kernel
-def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, top, anchor, time, s):
+def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, anchor, time, s):
     """Static equilibrium: the staggered grid's, then backward differences on the box equations with ever longer steps.
 
     The last steps are so long that only the static equations are left, so the cable stays where it is to rounding errors.
     """
-    status = _staggered_guess(parts, problem, p, mesh, y, top, anchor, time, s.whole)
+    status = _staggered_guess(parts, problem, p, mesh, y, contraction, top, anchor, time, s.whole)
     if status != header.OK:
         return status
     old = problem.numeric
@@ -117,7 +117,8 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, top, anchor, time, s):
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
         drift = _drift(anchor, parts.inextensible, mesh, y, top, step)
-        status = newton_step(parts, exact, mesh, y, yd, y, 0.0, backward, time, step, top, drift, y1, yd1, s)
+        contraction[0] = 0.0  # steps differ too much to learn from one another
+        status = newton_step(parts, exact, mesh, y, yd, y, 0.0, backward, time, step, top, drift, contraction, y1, yd1, s)
         if status < 0:
             step *= 0.2
             if step < 1e-9 * period:
@@ -132,7 +133,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, top, anchor, time, s):
 
 
 @kernel
-def starting_rates(parts, problem, mesh, y, yd, y1, yd1, top, velocity, acceleration, time, h, s):
+def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, top, velocity, acceleration, time, h, s):
     """Rates of change at the start, from a backward difference over the first step.
 
     The cable is in place and at rest but for its top, which already has its prescribed velocity.  A much shorter step would
@@ -146,7 +147,10 @@ def starting_rates(parts, problem, mesh, y, yd, y1, yd1, top, velocity, accelera
     y[n - 1, cu] = velocity[0] * sin + velocity[1] * cos
     y[n - 1, cu + 1] = velocity[0] * cos - velocity[1] * sin
     ahead = (velocity[0] + h * acceleration[0], velocity[1] + h * acceleration[1])
-    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, Coefficients(0.0, 0.0, 1.0), time, h, top, ahead, y1, yd1, s)
+    backward = Coefficients(0.0, 0.0, 1.0)
+    contraction[0] = 0.0
+    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, h, top, ahead, contraction, y1, yd1, s)
+    contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
     yd[:, :] = yd1

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box import assemble
 from cable_model.kernels.box_law import Gains, strain, unknowns
+from cable_model.kernels.convergence import has_converged
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_weight
 
@@ -74,18 +75,18 @@ def speed_scale(problem):
 
 
 @kernel
-def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, start, top_velocity, y1, yd1, s):
+def newton_step(parts, problem, mesh, y0, yd0, y_old, reach, c, time, h, start, top_velocity, contraction, y1, yd1, s):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
-    `yd0` is already corrected for a changed step; `y_old`, the state h_old before y0, predicts (h_old = 0: none).  `time` is the
-    averaged time t_i - alpha_k h, `start` the place of the top at t_i - h, `top_velocity` the prescribed one at the new time t_i.
+    `yd0` is already corrected for a changed step.  `y_old`, the state before y0, predicts; `reach` is the ratio of the steps, 0: not.
+    `time` is the averaged time t_i - alpha_k h, `start` the place of the top at t_i - h, `top_velocity` the prescribed one at the new
+    time t_i.  `contraction` (1,) is that of convergence.py.
     """
     n, size = y0.shape
     like = unknowns(parts.bending)
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
     gains = Gains(1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, 0.5 * (1.0 - c.alpha_k) * h, 1.0 / force_scale(problem))
-    reach = h / h_old if h_old > 0.0 else 0.0
     for i in range(n):
         for j in range(size):
             y1[i, j] = y0[i, j] + reach * (y0[i, j] - y_old[i, j])
@@ -98,9 +99,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, start, 
         change = _update(parts.inextensible, problem, y1, s.x)
         if not change < 1e6 * speed_scale(problem):
             return DIVERGED
-        # quadratic convergence: the next change would be about change^3/previous^2
-        expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
-        if min(change, 100.0 * expected) <= problem.numeric.tolerance:
+        if has_converged(iteration, change, previous, problem.numeric.tolerance, contraction):
             for i in range(n):
                 for j in range(size):
                     yd1[i, j] = to_rate * (y1[i, j] - y0[i, j]) - back * yd0[i, j]

@@ -1,6 +1,6 @@
 """The finite-difference chain as a component: state layout, initialization, time steps under one stepper for both grids, outputs.
 
-State: the header, then mesh, Y, Y', Y'' (backward difference of Y'), the state before, and the tensions of the cells.
+State: the header, then mesh, Y, Y', Y'' (backward difference of Y'), and what else predicts the next step: see grid.keep.
 """
 
 import math
@@ -31,6 +31,7 @@ class View(NamedTuple):
     yd: object
     ydd: object
     y_old: object
+    contraction: object  # (1,)
     force: object
     force_old: object
     y1: object
@@ -55,15 +56,15 @@ axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimensio
 @kernel
 def state_size(parts, p):
     n = node_count(p)
-    rows, columns, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + 4 * rows * columns + 2 * tensions
+    rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
+    return header.HEADER + 2 * (n - 1) + (3 * rows + kept) * columns + 2 * tensions
 
 
 @kernel
 def work_size(parts, p):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)
-    rows, columns, _ = grid.shape(parts.box, parts.bending, n, like)
+    rows, columns, _, _ = grid.shape(parts.box, parts.bending, n, like)
     return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
 
 
@@ -71,17 +72,19 @@ def work_size(parts, p):
 def cut(parts, p, state, work):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)
-    rows, d, tensions = grid.shape(parts.box, parts.bending, n, like)
+    rows, d, kept, tensions = grid.shape(parts.box, parts.bending, n, like)
     m = rows * d
     o = header.HEADER + 2 * (n - 1)
+    e = o + 3 * m + kept * d
     return View(
         state[header.HEADER : o].reshape((n - 1, 2)),
         state[o : o + m].reshape((rows, d)),
         state[o + m : o + 2 * m].reshape((rows, d)),
         state[o + 2 * m : o + 3 * m].reshape((rows, d)),
-        state[o + 3 * m : o + 4 * m].reshape((rows, d)),
-        state[o + 4 * m : o + 4 * m + tensions],
-        state[o + 4 * m + tensions : o + 4 * m + 2 * tensions],
+        state[o + 3 * m : e].reshape((kept, d)),
+        state[header.CONTRACTION : header.CONTRACTION + 1],
+        state[e : e + tensions],
+        state[e + tensions : e + 2 * tensions],
         work[0:m].reshape((rows, d)),
         work[m : 2 * m].reshape((rows, d)),
         work[2 * m : 3 * m].reshape((rows, d)),
@@ -141,7 +144,6 @@ def set_off(parts, p, time, state, work):
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
-            view.y_old[i, k] = view.y[i, k]
     state[header.TIME] = time
     for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR):
         state[k] = 0.0
@@ -212,30 +214,30 @@ _winding = by_presence(_no_winding, _wind_to)  # gives the mesh the length that 
 
 
 @kernel
-def _try_step(parts, p, problem, view, state, c, time, span, path, done, h):
+def _try_step(parts, p, problem, view, state, c, time, span, path, done, h, tiny):
     """One internal step from time + done; returns the Newton iterations or a negative status."""
     winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
     last = state[header.STEP]
     shift = (c.alpha_m - c.alpha_k) * (h - last) if last > 0.0 else 0.0
+    reach = h / last if last >= tiny else 0.0
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.yd0[i, k] = view.yd[i, k] + shift * view.ydd[i, k]
     before, _ = _path_at(parts, path, span, done / span)
     after, velocity = _path_at(parts, path, span, (done + h) / span)
     velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, h)
-    return grid.newton_step(parts.box, parts, problem, view, last, c, time + done, h, before, after, velocity, winding)
+    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, velocity, winding)
 
 
 @kernel
 def _accept(parts, view, h, tiny):
+    grid.keep(parts.box, view)
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             if not tiny:
                 view.ydd[i, k] = (view.yd1[i, k] - view.yd0[i, k]) / h
-            view.y_old[i, k] = view.y[i, k]
             view.y[i, k] = view.y1[i, k]
             view.yd[i, k] = view.yd1[i, k]
-    grid.keep_tensions(parts.box, view)
 
 
 @kernel
@@ -316,7 +318,9 @@ def advance(parts, p, time, span, path, state, work):
             used = rest / math.ceil(rest / used - 1e-9)
         elif rest - used < 0.5 * used:  # leave no sliver: the accelerations over one would be those of rounding
             used = 0.5 * rest
-        status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used)
+        if used < tiny:
+            view.contraction[0] = 0.0  # what Newton's method leaves, over such a step, is a large acceleration
+        status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used, tiny)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done

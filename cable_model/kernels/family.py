@@ -16,14 +16,6 @@ TRAPEZOIDAL = 2
 GENERALIZED_TRAPEZOIDAL = 3
 CORNWELL_MALKUS = 4
 WBZ = 5
-INTEGRATORS = {
-    "generalized-alpha": GENERALIZED_ALPHA,
-    "backward-difference": BACKWARD_DIFFERENCE,
-    "trapezoidal": TRAPEZOIDAL,
-    "generalized-trapezoidal": GENERALIZED_TRAPEZOIDAL,
-    "cornwell-malkus": CORNWELL_MALKUS,
-    "wbz": WBZ,
-}
 
 
 class Coefficients(NamedTuple):

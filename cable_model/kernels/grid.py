@@ -14,15 +14,15 @@ from cable_model.kernels.vector import axpy, load, mix, norm, scale
 
 @kernel
 def _staggered_shape(box, bending, n, like):
-    return 2 * n, len(like), n - 1
+    return 2 * n, len(like), 0, n - 1
 
 
 @kernel
 def _box_shape(box, bending, n, like):
-    return n, len(unknowns(bending)), 0
+    return n, len(unknowns(bending)), n, 0
 
 
-shape = by_presence(_staggered_shape, _box_shape)  # rows and columns of Y, cells with a tension of their own
+shape = by_presence(_staggered_shape, _box_shape)  # rows and columns of Y, rows kept of the state before, cells with their own tension
 
 
 @kernel
@@ -67,13 +67,15 @@ place_nodes = by_presence(_staggered_places, _box_places)
 @kernel
 def _staggered_equilibrium(box, parts, problem, p, view, top, anchor, time):
     return staggered_chain.equilibrium(
-        parts, problem, p, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force, top, anchor, time, view.scratch
+        parts, problem, p, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force, top, anchor, time, view.scratch
     )
 
 
 @kernel
 def _box_equilibrium(box, parts, problem, p, view, top, anchor, time):
-    return box_chain.equilibrium(parts, problem, p, view.mesh, view.y, view.yd, view.y1, view.yd1, top, anchor, time, view.scratch)
+    return box_chain.equilibrium(
+        parts, problem, p, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, top, anchor, time, view.scratch
+    )
 
 
 equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
@@ -82,7 +84,7 @@ equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
 @kernel
 def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     status = staggered_chain.starting_rates(
-        parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, view.force,
+        parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force,
         top, velocity, acceleration, winding, time, p[21], view.scratch,
     )  # fmt: skip
     n = view.mesh.shape[0] + 1
@@ -97,7 +99,7 @@ def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, 
 def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     h = p[21] if p[24] == 0.0 else 0.01 * p[21]
     return box_chain.starting_rates(
-        parts, problem, view.mesh, view.y, view.yd, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
+        parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
     )
 
 
@@ -105,18 +107,19 @@ starting_rates = by_presence(_staggered_rates, _box_rates)
 
 
 @kernel
-def _staggered_step(box, parts, problem, view, last, c, time, h, before, after, velocity, winding):
+def _staggered_step(box, parts, problem, view, c, time, h, reach, before, after, velocity, winding):
     return staggered_step.newton_step(
-        parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
-        mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, winding, view.y1, view.yd1, view.force, view.scratch,
+        parts, problem, view.mesh, view.y, view.yd0, view.ydd, c, time + (1.0 - c.alpha_k) * h, h,
+        mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, winding, view.contraction, view.y1, view.yd1,
+        view.force, view.force_old, reach, view.scratch,
     )  # fmt: skip
 
 
 @kernel
-def _box_step(box, parts, problem, view, last, c, time, h, before, after, velocity, winding):
+def _box_step(box, parts, problem, view, c, time, h, reach, before, after, velocity, winding):
     return box_step.newton_step(
-        parts, problem, view.mesh, view.y, view.yd0, view.y_old, last, c, time + (1.0 - c.alpha_k) * h, h,
-        before, velocity, view.y1, view.yd1, view.scratch,
+        parts, problem, view.mesh, view.y, view.yd0, view.y_old, reach, c, time + (1.0 - c.alpha_k) * h, h,
+        before, velocity, view.contraction, view.y1, view.yd1, view.scratch,
     )  # fmt: skip
 
 
@@ -125,7 +128,7 @@ newton_step = by_presence(_staggered_step, _box_step)
 
 @kernel
 def _staggered_length(box, view, factor):
-    staggered_step.change_length(view.mesh, view.y, view.yd, view.ydd, view.y_old, factor)
+    staggered_step.change_length(view.mesh, view.y, view.yd, view.ydd, factor)
 
 
 @kernel
@@ -138,6 +141,7 @@ change_length = by_presence(_staggered_length, _box_length)  # winches are refus
 
 @kernel
 def _staggered_keep(box, view):
+    """The tensions that the last Newton iteration found."""
     for i in range(view.force.shape[0]):
         view.force_old[i] = view.force[i]
     staggered_step.keep_tensions(view.force, view.scratch)
@@ -145,10 +149,13 @@ def _staggered_keep(box, view):
 
 @kernel
 def _box_keep(box, view):
-    return
+    """The state before the step: rates of the box grid's algebraic unknowns ring, and would predict badly."""
+    for i in range(view.y.shape[0]):
+        for k in range(view.y.shape[1]):
+            view.y_old[i, k] = view.y[i, k]
 
 
-keep_tensions = by_presence(_staggered_keep, _box_keep)
+keep = by_presence(_staggered_keep, _box_keep)  # what predicts the next step, beside rates; before the new state takes its place
 
 
 @kernel

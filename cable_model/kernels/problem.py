@@ -1,82 +1,9 @@
-"""The numbers that every kernel reads: one flat parameter vector, the named parts cut from it, and which parts are present.
-
-A part that a scene does not name is None: numba compiles a kernel without its terms.  `p` is the flat vector in the
-order of PARAMETERS (SI units); C code fills the same vector in the native FMU.
-"""
+"""Cable, body and water as named constants, cut from the flat vector `p` of parts.PARAMETERS."""
 
 from typing import NamedTuple
 
 from cable_model.kernels.jit import kernel
-
-PARAMETERS = (
-    "cable.length",
-    "cable.diameter",
-    "cable.mass_per_length",
-    "cable.axial_stiffness",
-    "cable.bending_stiffness",
-    "cable.axial_damping",
-    "cable.normal_drag_coefficient",
-    "cable.tangential_drag_coefficient",
-    "cable.added_mass_coefficient",
-    "body.mass",
-    "body.volume",
-    "body.drag_area",
-    "body.added_mass",
-    "lower_end.x",
-    "lower_end.y",
-    "lower_end.z",
-    "lower_end.release_force",
-    "environment.gravity",
-    "water.density",
-    "solver.nodes",
-    "solver.grading",
-    "solver.time_step",
-    "solver.lambda_infinity",
-    "solver.integrator",
-    "solver.tolerance",
-    "solver.slack_smoothing",
-    "solver.slack_damping",
-    "tow.poisson_ratio",
-    "tow.reference_tension",
-    "tow.drag_segments",
-    "tow.minimum_tension",
-    "tow.added_mass_vertical",
-    "tow.drag_area_axial",
-    "tow.body_angle",
-    "tow.explicit",
-    "seabed.level",
-    "seabed.stiffness",
-    "seabed.damping_ratio",
-    "seabed.friction_coefficient",
-    "seabed.friction_velocity",
-    "cable.volume_per_length",
-)
-
-
-class Parts(NamedTuple):
-    """Which parts a problem has: None is absent, True (or the part's own table) is present."""
-
-    box: object = None  # the paper's box grid instead of the staggered one
-    space: object = None  # motion in space instead of one vertical plane
-    inextensible: object = None  # box grid only
-    slack: object = None  # the cable carries no compression
-    bending: object = None
-    voigt: object = None  # material (Kelvin-Voigt) axial damping
-    body: object = None
-    anchor: object = None
-    water: object = None
-    current: object = None  # table, one row a level: z, velocity x, velocity y; sorted by rising z; end values hold beyond it
-    waves: object = None  # table of waves.py, one row a component
-    finite_depth: object = None  # of the waves
-    stretched: object = None  # waves reach up to the surface as it is: Wheeler's way
-    cut: object = None  # or as held, with nothing above it
-    seabed: object = None
-    friction: object = None  # along the seabed
-    winch: object = None  # the cable's length changes at the top
-    curve: object = None  # table of the axial law: strain, tension, slope; absent: linear
-    cable_mass: object = None  # TowCable only (CBMAS >= 0)
-    tension_floor: object = None  # TowCable only (TENS)
-    as_printed: object = None  # TowCable only: the report's errors kept
+from cable_model.kernels.parts import Parts
 
 
 @kernel

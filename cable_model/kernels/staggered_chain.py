@@ -99,7 +99,7 @@ def _with_tolerance(problem, tolerance):
 
 
 @kernel
-def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, time, s):
+def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top, anchor, time, s):
     """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
@@ -115,7 +115,10 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
         to_place = _with_tolerance(problem, 1e-10 * problem.cable.length / step)  # positions to 1e-10 of the length
-        status = newton_step(parts, to_place, mesh, y, yd, y, 0.0, backward, time, step, top, still, unwound(problem), y1, yd1, force, s)
+        contraction[0] = 0.0  # steps differ too much to learn from one another
+        status = newton_step(
+            parts, to_place, mesh, y, yd, yd, backward, time, step, top, still, unwound(problem), contraction, y1, yd1, force, force, 0.0, s
+        )
         if status < 0:
             step *= 0.2
             if step < 1e-9 * period:
@@ -131,7 +134,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, y1, yd1, force, top, anchor, tim
 
 
 @kernel
-def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, acceleration, winding, time, h, s):
+def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top, velocity, acceleration, winding, time, h, s):
     """Rates of change at the start, as the limit of a backward-difference step much shorter than h.
 
     The cable is in place and at rest but for its top, which already has its prescribed velocity.
@@ -141,7 +144,11 @@ def starting_rates(parts, problem, mesh, y, yd, y1, yd1, force, top, velocity, a
     short = 1e-6 * h
     backward = Coefficients(0.0, 0.0, 1.0)
     ahead = axpy(short, acceleration, velocity)
-    status = newton_step(parts, problem, mesh, y, yd, y, 0.0, backward, time, short, top, ahead, winding, y1, yd1, force, s)
+    contraction[0] = 0.0
+    status = newton_step(
+        parts, problem, mesh, y, yd, yd, backward, time, short, top, ahead, winding, contraction, y1, yd1, force, force, 0.0, s
+    )
+    contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
     keep_tensions(force, s)

@@ -7,6 +7,7 @@ rows n ... 2n-1 the node velocities.  Every public function has a twin of the sa
 from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
+from cable_model.kernels.convergence import has_converged
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
@@ -99,12 +100,15 @@ def cut_scratch(work, n, like):
 
 
 @kernel
-def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, top_velocity, winding, y1, yd1, force, s):
+def newton_step(
+    parts, problem, mesh, y0, yd0, ydd, c, time, h, top, top_velocity, winding, contraction, y1, yd1, force, force_old, reach, s
+):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
-    `yd0` is already corrected for a changed step; `y_old`, the state h_old before y0, predicts (h_old = 0: none).  `time` and
-    `top` are those at the averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `force` (n-1),
-    the tensions of the cells, is the first guess; the new ones are left in s.cells[:, 0].
+    `yd0` is already corrected for a changed step; with `ydd`, its rate of change, it predicts.  `time` and `top` are those at the
+    averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `contraction` (1,) is that of
+    convergence.py.  The first guess of the tensions (n-1) leads from `force_old` over `force` on by `reach`, the ratio of the steps;
+    the new ones are left in s.cells[:, 0].
     """
     n = mesh.shape[0] + 1
     like = top
@@ -115,13 +119,14 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
     back = (1.0 - c.gamma) / c.gamma
     moved = to_position * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, moved, 1.0, h, winding)
-    reach = h / h_old if h_old > 0.0 else 0.0
+    ahead = 0.5 * h - (c.alpha_m - c.alpha_k) * h  # yd0 belongs to (alpha_m - alpha_k) h after the start
     for i in range(n - 1):
-        store(y1, n + i, mix(1.0 + reach, load(y0, n + i, like), -reach, load(y_old, n + i, like)))
+        rate = axpy(ahead, load(ydd, n + i, like), load(yd0, n + i, like))
+        store(y1, n + i, axpy(h, rate, load(y0, n + i, like)))
     store(y1, 2 * n - 1, top_velocity)
     _hold_anchor(parts.anchor, y1, n, like)
     for i in range(n - 1):
-        s.cells[i, 0] = force[i]
+        s.cells[i, 0] = _ahead(parts.slack, force[i], reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
     _forget_slack(parts.slack, problem, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
@@ -143,13 +148,19 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, h_old, c, time, h, top, to
             return DIVERGED
         cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, n)
         cut = update_contacts(parts.seabed, problem.ground, mesh, s.x, s.contact) or cut
-        # quadratic convergence: the next change would be about change^3/previous^2
-        expected = change * (change / previous) ** 2 if iteration > 1 and change < 0.1 * previous else change
-        if min(change, 100.0 * expected) <= problem.numeric.tolerance and not cut:
+        if has_converged(iteration, change, previous, problem.numeric.tolerance, contraction) and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
             return iteration
         previous = change
     return NOT_CONVERGED
+
+
+@kernel
+def _ahead(slack, tension, rise):
+    """Extrapolated tension; the slack law's stays positive."""
+    if slack is None:
+        return tension + rise
+    return max(tension + rise, 0.5 * tension)
 
 
 @kernel
@@ -239,7 +250,7 @@ def _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, lik
 
 
 @kernel
-def change_length(mesh, y, yd, ydd, y_old, factor):
+def change_length(mesh, y, yd, ydd, factor):
     """Give the mesh `factor` times its length; positions stay where they are.
 
     The nodes keep their shares of the length and cable moves past them: see `wound` in staggered.py.
@@ -250,7 +261,6 @@ def change_length(mesh, y, yd, ydd, y_old, factor):
             y[i, k] /= factor
             yd[i, k] /= factor
             ydd[i, k] /= factor
-            y_old[i, k] /= factor
 
 
 @kernel

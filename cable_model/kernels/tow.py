@@ -10,7 +10,8 @@ from typing import NamedTuple
 from cable_model.kernels.fluid import current_velocity
 from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import PARAMETERS, body_part, cable_part, total_weight
+from cable_model.kernels.parts import PARAMETERS
+from cable_model.kernels.problem import body_part, cable_part, total_weight
 from cable_model.kernels.waves import wave_motion
 
 ANGLE = HEADER  # phi

@@ -23,7 +23,7 @@ from cable_model.kernels.header import (
     TOP,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import PARAMETERS
+from cable_model.kernels.parts import PARAMETERS
 from cable_model.kernels.top import evaluate, leaves_plane, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,

@@ -17,23 +17,6 @@ DEEP = 40.0  # k depth and k |z| beyond which exponentials are negligible
 
 
 @kernel
-def wave_number(omega, depth, gravity):
-    """k of omega^2 = g k tanh(k depth), 1/m, by Newton's method; depth 0: deep water."""
-    deep = omega * omega / gravity
-    if depth <= 0.0 or deep * depth > DEEP:
-        return deep
-    y = deep * depth
-    x = y / math.sqrt(math.tanh(y))  # k depth; within 6 % everywhere
-    for _ in range(20):
-        t = math.tanh(x)
-        step = (x * t - y) / (t + x * (1.0 - t * t))
-        x -= step
-        if abs(step) <= 1e-15 * x:
-            break
-    return x / depth
-
-
-@kernel
 def wave_axes(direction, like):
     """Unit vector of propagation as a D-vector; in the plane its sign only."""
     if len(like) == 2:

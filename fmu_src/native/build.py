@@ -21,7 +21,7 @@ import numba
 from cable_model import __version__
 from cable_model.errors import ParameterError
 from cable_model.kernels.jit import source_hash
-from cable_model.kernels.problem import Parts
+from cable_model.kernels.parts import Parts
 from cable_model.models import MODELS
 from cable_model.scene import Scene, parts_of
 from fmu_src.interface import Variable, generic_scene, table

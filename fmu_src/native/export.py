@@ -42,7 +42,7 @@ def _parts(variant: Variant) -> Any:
     """A jitted function of (present, current, waves) that makes the parts of a variant."""
     from numba import njit
 
-    from cable_model.kernels.problem import Parts
+    from cable_model.kernels.parts import Parts
 
     @njit
     def either(value):
@@ -67,7 +67,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     from numba import carray
 
     from cable_model.kernels import header, top
-    from cable_model.kernels.problem import PARAMETERS, Parts
+    from cable_model.kernels.parts import PARAMETERS, Parts
     from cable_model.model import FASTEST_TOP
     from cable_model.signals import INPUTS, OUTPUTS
 

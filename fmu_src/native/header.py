@@ -11,7 +11,7 @@ import numpy as np
 
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
-from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.kernels.parts import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.scene import Scene, parts_of

@@ -18,7 +18,7 @@ import numpy as np
 
 from cable_model.effects import effects
 from cable_model.errors import ParameterError
-from cable_model.kernels.problem import PARAMETERS, Parts
+from cable_model.kernels.parts import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.scene import Scene, numbers_of, parts_of
 from cable_model.signals import INPUTS
