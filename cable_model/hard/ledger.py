@@ -11,6 +11,7 @@ import numpy as np
 
 from cable_model.cable_chain import CableChain
 from cable_model.kernels import chain, header
+from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
 
@@ -29,6 +30,7 @@ class Ledger:
         self.displaced_area = cable.volume_per_length if cable.volume_per_length >= 0.0 else 0.25 * np.pi * cable.diameter**2
         self.added = self.density * 0.25 * np.pi * cable.diameter**2 * cable.added_mass_coefficient
         self.now = chain.cut(model.parts, model.numbers, model.state, model._work)
+        self.numeric = build(model.parts, model.numbers, 0.0).numeric
         self.c = coefficients(int(model.numbers[23]), model.numbers[22])
 
     @property
@@ -62,7 +64,7 @@ class Ledger:
         f = cable.axial_stiffness * (stretch - 1.0)
         if cable.compressible:
             return float(np.sum(h * f * f) / (2.0 * cable.axial_stiffness))
-        w0 = max(self.model.scene.solver.slack_smoothing * self.weight, 1e-300)
+        w0 = np.maximum(np.minimum(self.numeric.smoothing, self.numeric.hung + self.numeric.own * h), 1e-300)  # of slack.py
         return float(np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * cable.axial_stiffness))
 
     def _bending(self, h: np.ndarray, split: np.ndarray, q: np.ndarray) -> float:

@@ -9,7 +9,7 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import Cable, body_weight
-from cable_model.kernels.staggered_step import Numeric, Problem
+from cable_model.kernels.staggered_step import Problem, with_tolerance
 
 STATIC_STEPS = 100
 
@@ -107,9 +107,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, ancho
     status = _staggered_guess(parts, problem, p, mesh, y, contraction, top, anchor, time, s.whole)
     if status != header.OK:
         return status
-    old = problem.numeric
-    numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, 1e-11 * speed_scale(problem))
-    exact = Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
+    exact = with_tolerance(problem, 1e-11 * speed_scale(problem), 0.0)
     yd[:, :] = 0.0
     cu = y.shape[1] // 3
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))

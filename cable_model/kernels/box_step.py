@@ -99,7 +99,7 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, reach, c, time, h, start, 
         change = _update(parts.inextensible, problem, y1, s.x)
         if not change < 1e6 * speed_scale(problem):
             return DIVERGED
-        if has_converged(iteration, change, previous, problem.numeric.tolerance, contraction):
+        if has_converged(iteration, change, previous, problem.numeric, contraction):
             for i in range(n):
                 for j in range(size):
                     yd1[i, j] = to_rate * (y1[i, j] - y0[i, j]) - back * yd0[i, j]
@@ -164,10 +164,11 @@ def _update(inextensible, problem, y1, x):
 
 @kernel
 def rate_error(bending, problem, mesh, yd0, yd1, ydd, h):
-    """Root mean square over the mass of what the accelerations (u_t, v_t) differ from their linear extrapolation, m/s2."""
+    """Root mean squares over the mass, m/s2: of what the accelerations (u_t, v_t) differ from their linear extrapolation; of all."""
     cu = len(unknowns(bending)) // 3
     total = 0.0
     summed = 0.0
+    moving = 0.0
     for i in range(mesh.shape[0]):
         mass = problem.cable.mass * mesh[i, 0]
         total += mass
@@ -175,4 +176,5 @@ def rate_error(bending, problem, mesh, yd0, yd1, ydd, h):
             low = yd1[i, j] - yd0[i, j] - h * ydd[i, j]
             high = yd1[i + 1, j] - yd0[i + 1, j] - h * ydd[i + 1, j]
             summed += 0.25 * mass * (low + high) ** 2
-    return (summed / total) ** 0.5
+            moving += 0.25 * mass * (yd1[i, j] + yd1[i + 1, j]) ** 2
+    return (summed / total) ** 0.5, (moving / total) ** 0.5

@@ -24,10 +24,13 @@ def build(parts, p, pull, moves=1.0):
     reference = math.sqrt(max(cable.gravity, 1e-3) * cable.length)
     numeric = Numeric(
         p[25] * total_weight(parts, p),
+        abs(body_weight(body_part(parts.body, parts.water, p))),
+        max(abs(cable.weight), 1e-6 * cable.mass * cable.gravity, 1e-12 * cable.stiffness / cable.length),
         _presence(parts.slack, wave_damping),
         _presence(parts.voigt, p[5]),
         _presence(parts.bending, p[4]),
         pull,
+        1e-8 * reference,
         1e-8 * reference,
     )
     ground = _ground(parts.seabed, parts, p, cable, moves)

@@ -12,15 +12,17 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import node_count
-from cable_model.kernels.staggered_step import Winding
+from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 
 TOLERATED = 0.02  # such that the error of a swinging chain's tip, over its motion, is about solver.tolerance
+LEAST_MOTION = 0.01  # of g: errors are relative to the motion, but not to next to nothing
 LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
+SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
-TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g): over one, differences of rates are rounding
+TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
 
 class View(NamedTuple):
@@ -145,7 +147,7 @@ def set_off(parts, p, time, state, work):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
     state[header.TIME] = time
-    for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR):
+    for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR, header.LARGEST_MOTION):
         state[k] = 0.0
     return header.OK
 
@@ -220,9 +222,10 @@ def _try_step(parts, p, problem, view, state, c, time, span, path, done, h, tiny
     last = state[header.STEP]
     shift = (c.alpha_m - c.alpha_k) * (h - last) if last > 0.0 else 0.0
     reach = h / last if last >= tiny else 0.0
-    for i in range(view.y.shape[0]):
-        for k in range(view.y.shape[1]):
-            view.yd0[i, k] = view.yd[i, k] + shift * view.ydd[i, k]
+    size = view.y.size  # one run over all of an array, which the compiler does several numbers at a time
+    yd0, yd, ydd = view.yd0.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
+    for i in range(size):
+        yd0[i] = yd[i] + shift * ydd[i]
     before, _ = _path_at(parts, path, span, done / span)
     after, velocity = _path_at(parts, path, span, (done + h) / span)
     velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, h)
@@ -232,24 +235,28 @@ def _try_step(parts, p, problem, view, state, c, time, span, path, done, h, tiny
 @kernel
 def _accept(parts, view, h, tiny):
     grid.keep(parts.box, view)
-    for i in range(view.y.shape[0]):
-        for k in range(view.y.shape[1]):
-            if not tiny:
-                view.ydd[i, k] = (view.yd1[i, k] - view.yd0[i, k]) / h
-            view.y[i, k] = view.y1[i, k]
-            view.yd[i, k] = view.yd1[i, k]
+    size = view.y.size
+    y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
+    y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
+    if not tiny:
+        for i in range(size):
+            ydd[i] = (yd1[i] - yd0[i]) / h
+    for i in range(size):
+        y[i] = y1[i]
+        yd[i] = yd1[i]
 
 
 @kernel
 def _local_error(parts, problem, view, state, c, time, span, path, done, h):
-    """Estimate of the acceleration that the truncation error of the step just tried from time + done amounts to, m/s2."""
+    """Accelerations, m/s2: what the truncation error of the step just tried from time + done amounts to; the motion's own, rms."""
     first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
     share, reach = (first, 0.0) if first > 1e-12 else (second, h)
     winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
     before, _ = _path_at(parts, path, span, done / span)
     after, _ = _path_at(parts, path, span, (done + h) / span)
-    return share * grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before, after, winding)
+    miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before, after, winding)
+    return share * miss, moving
 
 
 @kernel
@@ -286,7 +293,8 @@ def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
     solver.tolerance 0: the fewest equal steps not longer than solver.time_step, cut where Newton's method fails.  Above 0: the
-    truncation error of a step, as an acceleration, is kept below TOLERATED tolerance g; solver.time_step is then the longest step.
+    truncation error of a step, as an acceleration, is kept below TOLERATED tolerance times that of the largest motion so far (at
+    least LEAST_MOTION g, at most g); solver.time_step is then the longest step.
     """
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
@@ -299,9 +307,11 @@ def advance(parts, p, time, span, path, state, work):
         return header.OUT_OF_PLANE
     c = coefficients(int(p[23]), p[22])
     tolerance = min(p[24], LARGEST_TOLERANCE)
-    tiny = TINY_STEP * min(p[21], math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3)))
+    gravity = max(problem.cable.gravity, 1e-3)
+    longest = min(p[21], math.sqrt(problem.cable.length / gravity))
     base = span / max(1, math.ceil(span / p[21] - 1e-9))
-    allowed = TOLERATED * tolerance * max(problem.cable.gravity, 1e-3)
+    state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], LEAST_MOTION * gravity)
+    allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
     h = base
     if tolerance > 0.0:
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[21]
@@ -311,6 +321,7 @@ def advance(parts, p, time, span, path, state, work):
     tried = 0.0  # error of the trial before, of the same step
     while done < span:
         rest = span - done
+        tiny = TINY_STEP * (h if tolerance > 0.0 else longest)
         used = h
         if used >= rest * (1.0 - 1e-9):
             used = rest
@@ -320,7 +331,10 @@ def advance(parts, p, time, span, path, state, work):
             used = 0.5 * rest
         if used < tiny:
             view.contraction[0] = 0.0  # what Newton's method leaves, over such a step, is a large acceleration
-        status = _try_step(parts, p, problem, view, state, c, time, span, path, done, used, tiny)
+        to_solve = problem
+        if tolerance > 0.0:  # what Newton's method leaves must not look like a truncation error
+            to_solve = with_tolerance(problem, min(problem.numeric.tolerance, SOLVED * allowed * used), problem.numeric.rounding)
+        status = _try_step(parts, p, to_solve, view, state, c, time, span, path, done, used, tiny)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
@@ -333,7 +347,9 @@ def advance(parts, p, time, span, path, state, work):
         if tolerance > 0.0:
             ratio = 0.25
             if state[header.STEPS] > 0.0:
-                error = _local_error(parts, problem, view, state, c, time, span, path, done, used)
+                error, moving = _local_error(parts, problem, view, state, c, time, span, path, done, used)
+                state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], min(moving, gravity))
+                allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
                 # an error that falls from step to step, or does not fall with the step, is what earlier steps left to ring:
                 # smaller steps would excite more of it
                 rings = error < state[header.LAST_ERROR] or (tried > 0.0 and error > 0.4 * tried)
@@ -348,7 +364,8 @@ def advance(parts, p, time, span, path, state, work):
                 state[header.LAST_ERROR] = error
                 tried = 0.0
             growth = min(2.0, max(0.3, 0.85 / math.sqrt(max(ratio, 1e-6))))
-            proposal = min(p[21], max(used * growth, min(h, used * 2.0) if used < h else 0.0, SMALLEST_STEP * p[21]))
+            kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
+            proposal = min(p[21], max(used * growth, kept, SMALLEST_STEP * p[21]))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
         _accept(parts, view, used, used < tiny)

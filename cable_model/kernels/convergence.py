@@ -12,16 +12,20 @@ LEAST_CONTRACTION = 1e-9  # below it, what is measured is rounding
 
 
 @kernel
-def has_converged(iteration, change, previous, tolerance, contraction):
-    """Whether `change`, the largest of this iteration, leaves less than `tolerance` to the next one.
+def has_converged(iteration, change, previous, numeric, contraction):
+    """Whether `change`, the largest of this iteration, leaves less than numeric.tolerance to the next one.
 
-    `previous` is the change before; `contraction` (1,) is kept from step to step, 0 at first: not known.
+    `previous` is the change before; `contraction` (1,) is kept from step to step, 0 at first: not known.  Changes below
+    numeric.rounding that no longer shrink are rounding errors: more iterations would not help.
     """
+    tolerance = numeric.tolerance
     if iteration == 1:
         rest = SAFETY * contraction[0] * change
         contraction[0] = min(FADING * contraction[0], 1.0)
         return change <= tolerance or 0.0 < rest <= tolerance
     if iteration == 2:
         contraction[0] = min(max(change / previous, LEAST_CONTRACTION), 1.0)
+    if iteration > 2 and change <= numeric.rounding and change > 0.3 * previous:
+        return True
     # quadratic: the next change would be about change^3/previous^2
     return change <= tolerance or (change < 0.1 * previous and 100.0 * change * (change / previous) ** 2 <= tolerance)

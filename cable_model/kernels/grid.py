@@ -209,7 +209,7 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
-    staggered_chain.tensions_now(parts.slack, problem, view.y, view.force, view.force_old, c.alpha_k, top, view.scratch.cells)
+    staggered_chain.tensions_now(parts.slack, problem, mesh, view.y, view.force, view.force_old, c.alpha_k, top, view.scratch.cells)
     largest = 0.0
     smallest = 1e300
     slack = 0.0

@@ -16,6 +16,7 @@ ERROR_TIME = 25  # where a failed step began, s
 ERROR_NODE = 26  # node of the largest residual or change then
 ERROR_SIZE = 27  # its size
 CONTRACTION = 28  # of Newton's changes, see convergence.py
+LARGEST_MOTION = 29  # largest rms acceleration that the error control has seen, m/s2
 PAID_OUT = 30  # cable that the winch has paid out since the start, m
 WINCH_SPEED = 31  # now, m/s; paying out is positive
 WINCH_INPUT = 32  # the input of the last communication step

@@ -9,6 +9,15 @@ from cable_model.kernels.jit import kernel
 
 
 @kernel
+def width(numeric, h):
+    """w0 of a cell of length h, N: a share of the whole weight, but no more than what body and cell weigh.
+
+    At a free end the tension falls below any share of the whole weight; a law that is soft there would rule the smallest cells.
+    """
+    return min(numeric.smoothing, numeric.hung + numeric.own * h)
+
+
+@kernel
 def elastic(curve, stiffness, strain):
     """Tension of the elastic law, and its slope: linear, or cubic between the rows of a table and straight on beyond them."""
     if curve is None:

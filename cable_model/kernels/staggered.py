@@ -16,7 +16,7 @@ from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
-from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall
+from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall, width
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -151,9 +151,10 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
         f, stiffness = elastic(parts.curve, cable.stiffness, strain)
         f += damping * (rate - _lengthening(parts.winch, gains, stretch))
-        force = iterate(parts.slack, numeric.smoothing, f, cells[i, 0])
+        w0 = width(numeric, h)
+        force = iterate(parts.slack, w0, f, cells[i, 0])
         cells[i, 0] = force
-        slope, misfit = constitutive(parts.slack, numeric.smoothing, f, force)
+        slope, misfit = constitutive(parts.slack, w0, f, force)
         stiffness -= damping * _lengthening(parts.winch, gains, 1.0)
         along = mix(slope * gains.q * stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)

@@ -7,8 +7,9 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
+from cable_model.kernels.slack import width
 from cable_model.kernels.staggered import add_seabed, assemble, lower_end_terms
-from cable_model.kernels.staggered_step import Gains, Numeric, Problem, Winding, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_tolerance
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
@@ -91,14 +92,6 @@ def unwound(problem):
 
 
 @kernel
-def _with_tolerance(problem, tolerance):
-    """The same problem with another Newton tolerance, m/s."""
-    old = problem.numeric
-    numeric = Numeric(old.smoothing, old.damping, old.voigt, old.bending, old.pull, tolerance)
-    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
-
-
-@kernel
 def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top, anchor, time, s):
     """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
     n = mesh.shape[0] + 1
@@ -114,7 +107,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
     for _ in range(STATIC_STEPS):
-        to_place = _with_tolerance(problem, 1e-10 * problem.cable.length / step)  # positions to 1e-10 of the length
+        to_place = with_tolerance(problem, 1e-10 * problem.cable.length / step, 0.0)  # positions to 1e-10 of the length
         contraction[0] = 0.0  # steps differ too much to learn from one another
         status = newton_step(
             parts, to_place, mesh, y, yd, yd, backward, time, step, top, still, unwound(problem), contraction, y1, yd1, force, force, 0.0, s
@@ -158,7 +151,7 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top
 
 
 @kernel
-def tensions_now(slack, problem, y, force, force_old, ahead, top, cells):
+def tensions_now(slack, problem, mesh, y, force, force_old, ahead, top, cells):
     """Tensions at the new time into cells[:, 0], from those at the averaged times of the last two steps.
 
     They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
@@ -166,7 +159,7 @@ def tensions_now(slack, problem, y, force, force_old, ahead, top, cells):
     for i in range(force.shape[0]):
         cells[i, 0] = force[i] + ahead * (force[i] - force_old[i])
         if slack is not None:
-            cells[i, 0] = max(cells[i, 0], 1e-9 * problem.numeric.smoothing)
+            cells[i, 0] = max(cells[i, 0], 1e-9 * width(problem.numeric, mesh[i, 0]))
         q = load(y, i, top)
         cells[i, 2] = norm(q)
         store_from(cells, i, 3, scale(1.0 / cells[i, 2], q))

@@ -12,7 +12,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.seabed import start_contacts, update_contacts
-from cable_model.kernels.slack import step_tension
+from cable_model.kernels.slack import step_tension, width
 from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
 
@@ -26,12 +26,15 @@ SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in sl
 class Numeric(NamedTuple):
     """Constants of a run that are neither cable nor water."""
 
-    smoothing: float  # w0 of the slack law, N
+    smoothing: float  # largest w0 of the slack law, N; see slack.width
+    hung: float  # weight of the body, N
+    own: float  # weight of the cable, N/m
     damping: float  # slack law: axial damping per cell length, zeta sqrt(EA m), N s/m
     voigt: float  # material axial damping, N s
     bending: float  # EI, N m2
     pull: float  # horizontal force on the lower end, N
     tolerance: float  # of the Newton iteration on velocities, m/s
+    rounding: float  # changes of velocities that may be rounding errors, m/s
 
 
 class Problem(NamedTuple):
@@ -42,6 +45,14 @@ class Problem(NamedTuple):
     body: object
     numeric: object
     ground: object  # the seabed
+
+
+@kernel
+def with_tolerance(problem, tolerance, rounding):
+    """The same problem with other limits of Newton's method, m/s."""
+    old = problem.numeric
+    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding)
+    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
 
 
 class Winding(NamedTuple):
@@ -128,7 +139,7 @@ def newton_step(
     for i in range(n - 1):
         s.cells[i, 0] = _ahead(parts.slack, force[i], reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
-    _forget_slack(parts.slack, problem, c.alpha_k, s)
+    _forget_slack(parts.slack, problem, mesh, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     start_contacts(parts.seabed, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
@@ -146,9 +157,9 @@ def newton_step(
                     change = abs(dv)
         if not change < 1e12:
             return DIVERGED
-        cut = _update_tensions(parts.slack, problem.numeric.smoothing, s.cells, n)
+        cut = _update_tensions(parts.slack, problem.numeric, mesh, s.cells)
         cut = update_contacts(parts.seabed, problem.ground, mesh, s.x, s.contact) or cut
-        if has_converged(iteration, change, previous, problem.numeric.tolerance, contraction) and not cut:
+        if has_converged(iteration, change, previous, problem.numeric, contraction) and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
             return iteration
         previous = change
@@ -164,24 +175,24 @@ def _ahead(slack, tension, rise):
 
 
 @kernel
-def _forget_slack(slack, problem, alpha_k, s):
+def _forget_slack(slack, problem, mesh, alpha_k, s):
     """A cell that was slack counts as just straight in the averaged strain.
 
     Else it could overshoot unopposed until its average is taut, and so gain strain energy from nothing.
     """
     if slack is None:
         return
-    least = 1.0 - SLACK_MARGIN * problem.numeric.smoothing / problem.cable.stiffness
     last = s.cells.shape[1] - 1
-    for i in range(s.length.shape[0] - 1):
+    for i in range(mesh.shape[0]):
+        least = 1.0 - SLACK_MARGIN * width(problem.numeric, mesh[i, 0]) / problem.cable.stiffness
         s.cells[i, last] = alpha_k * max(least - s.length[i], 0.0)
 
 
 @kernel
-def _update_tensions(slack, smoothing, cells, n):
+def _update_tensions(slack, numeric, mesh, cells):
     cut = False
-    for i in range(n - 1):
-        cells[i, 0], limited = step_tension(slack, smoothing, cells[i, 0], cells[i, 1])
+    for i in range(mesh.shape[0]):
+        cells[i, 0], limited = step_tension(slack, width(numeric, mesh[i, 0]), cells[i, 0], cells[i, 1])
         cut = cut or limited
     return cut
 
@@ -272,7 +283,8 @@ def keep_tensions(force, s):
 
 @kernel
 def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, top, winding, s):
-    """Root mean square over the mass of what the accelerations differ from their extrapolation by `reach`, as felt, in m/s2.
+    """Root mean squares over the mass, m/s2: of what the accelerations differ from their extrapolation by `reach`, as felt; and of the
+    motion: its acceleration, or its velocity over sqrt(L/g) where that is less, as it is where waves along the cable ring.
 
     Felt: the Newton matrix of a step of FELT_TIME stands for the mass, so that what the cable's stiffness takes up within that
     time does not count.  Else waves along the cable, of no size but of large accelerations, would rule the step.
@@ -282,13 +294,20 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     rate_old = c.alpha_m / (1.0 - c.alpha_m)
     rate_new = 1.0 / (1.0 - c.alpha_m)
     to_rate = 1.0 / (c.gamma * h)
-    felt_in = max(h, FELT_TIME * (problem.cable.length / max(problem.cable.gravity, 1e-3)) ** 0.5)
+    period = (problem.cable.length / max(problem.cable.gravity, 1e-3)) ** 0.5
+    felt_in = max(h, FELT_TIME * period)
     moved = felt_in * c.gamma * rate_new * (1.0 - c.alpha_k) * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) / (c.gamma * felt_in), moved, 1.0, h, winding)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like)
     assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
+    faster = 0.0
+    moving = 0.0
     for i in range(n - 1):
+        now = load(s.a, i, like)
+        faster += _mass(problem, mesh, i) * dot(now, now)
+        now = load(s.v, i, like)
+        moving += _mass(problem, mesh, i) * dot(now, now)
         miss = sub(axpy(-reach, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like))
         store(s.x, i, scale(gains.a * _mass(problem, mesh, i), miss))
         s.cells[i, 1] = 0.0
@@ -301,7 +320,7 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
         felt = load(s.x, i, like)
         total += mass
         summed += mass * dot(felt, felt)
-    return (summed / total) ** 0.5
+    return (summed / total) ** 0.5, min((faster / total) ** 0.5, (moving / total) ** 0.5 / period)
 
 
 @kernel
