@@ -68,7 +68,7 @@ class Cost:
     ratio: float  # of the time per node and iteration to the bare chain's, of the same repetition
 
 
-def _scene(changes: dict[str, object]) -> Scene:
+def scene_of(changes: dict[str, object]) -> Scene:
     return with_values(from_dict(BARE), changes)
 
 
@@ -86,7 +86,7 @@ def _seconds(model: Model, scene: Scene) -> float:
 def measure(names: list[str] | None = None, repetitions: int = 7) -> list[Cost]:
     """Time every case, all cases in turn in each repetition, so that a slow spell of the machine hits them alike."""
     names = names or list(CASES)
-    scenes = {name: _scene(CASES[name]) for name in names}
+    scenes = {name: scene_of(CASES[name]) for name in names}
     models = {name: MODELS["chain"](scene) for name, scene in scenes.items()}
     for name, model in models.items():  # compile
         _seconds(model, scenes[name])

@@ -6,12 +6,20 @@ the winch has paid out, a parabola: its speed changes linearly.
 
 import math
 
-from cable_model.kernels.header import INPUT, INPUT_STEP, PAID_OUT, TOP, WINCH_ACCELERATION, WINCH_INPUT, WINCH_SPEED
+from cable_model.kernels.header import (
+    INPUT,
+    INPUT_STEP,
+    INPUT_STEP_2,
+    INPUT_STEP_3,
+    PAID_OUT,
+    TOP,
+    WINCH_ACCELERATION,
+    WINCH_INPUT,
+    WINCH_SPEED,
+)
 from cable_model.kernels.jit import kernel
 
 WINCH = 3  # column of the path
-INPUT_STEP_2 = 28  # in the header's spare places: sizes of the steps before the last one, s; 0 where there was none
-INPUT_STEP_3 = 29
 
 
 @kernel
