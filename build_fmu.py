@@ -56,7 +56,7 @@ staging.load("{kernels}", Path(__file__).parent)
 staging.load("{package}", Path(__file__).parent)
 importlib.import_module("{package}.fmu_src.wrapper").keep(globals())  # this is given back once too often at every instantiation
 CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
-ObjectCode = importlib.import_module("{package}.fmu_src.precompiled").ObjectCode
+precompiled = importlib.import_module("{package}.fmu_src.precompiled")
 
 
 class {identifier}(CableSlave):
@@ -147,13 +147,13 @@ def _write_resources(
     (folder / f"{staging_name}.py").write_bytes(staging)
     (folder / "requirements.txt").write_bytes(REQUIREMENTS)
     values = pprint.pformat(scene_values(scene), sort_dicts=False, width=120)
-    shipped = "ObjectCode()"
+    shipped = "precompiled.ObjectCode()"
     if code:
         (folder / "kernels.o").write_bytes(code)
         listed = pprint.pformat([dict(variant) for variant in variants], sort_dicts=False, width=120)
-        shipped = f'ObjectCode((Path(__file__).parent / "kernels.o").read_bytes(), {listed})'
-    digest = hashlib.sha256(code).hexdigest()
-    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__, digest, shipped)
+        digest = hashlib.sha256(code + listed.encode()).hexdigest()
+        shipped = f'precompiled.shared("{digest}", Path(__file__).parent / "kernels.o", {listed})'
+    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__, shipped)
     text = _SCRIPT.format(
         staging=staging_name, kernels=vendored.kernels, package=vendored.package, identifier=identifier, model=model,
         guid=guid, tool=f"cable_fmu {__version__} with PythonFMU {pythonfmu.__version__}", values=values, object_code=shipped,

@@ -10,6 +10,7 @@ import functools
 import os
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
@@ -75,6 +76,16 @@ class ObjectCode:
         engine.add_object_file(llvm.ObjectFileRef.from_data(self._code))
         engine.finalize_object()
         return engine, [_ENTRY(engine.get_function_address(f"kernel_{k}")) for k in range(len(self._variants))]
+
+
+_shared: dict[str, ObjectCode] = {}
+
+
+def shared(name: str, path: Path, variants: Sequence[Variant]) -> ObjectCode:
+    """The object code in a file, one for all instances: pythonfmu runs an FMU's script again for each.  `name` tells contents apart."""
+    if name not in _shared:
+        _shared[name] = ObjectCode(path.read_bytes(), variants)
+    return _shared[name]
 
 
 def _at(array: np.ndarray) -> int:

@@ -98,6 +98,22 @@ def test_a_variant_serves_what_it_was_compiled_with(kind: int, served: tuple[boo
     assert not serves(variant, Parts(body=True, box=True))
 
 
+def test_all_instances_share_one_object_code(fmus: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch):
+    """The machine code is loaded once a process."""
+    import llvmlite.binding as llvm
+
+    instances, loads = [fmus["tow"].instance()], []
+    instances[0].initialize()
+    monkeypatch.setattr(llvm, "create_mcjit_compiler", lambda *arguments: loads.append(arguments))
+    instances += [fmus["tow"].instance() for _ in range(3)]
+    for instance in instances[1:]:
+        instance.initialize()
+    assert not loads
+    assert not any("numba" in text for instance in instances for _, text in instance.messages)
+    for instance in instances:
+        instance.close()
+
+
 # -- it steps aside
 
 
