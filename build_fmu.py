@@ -17,7 +17,7 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated
 from xml.etree.ElementTree import Element, indent, tostring
@@ -33,6 +33,7 @@ from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.scene import Scene, load
 from fmu_src import trial
+from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
 from fmu_src.model_description import osp_description
 from fmu_src.vendoring import Vendored, vendor
@@ -55,9 +56,11 @@ staging.load("{kernels}", Path(__file__).parent)
 staging.load("{package}", Path(__file__).parent)
 importlib.import_module("{package}.fmu_src.wrapper").keep(globals())  # this is given back once too often at every instantiation
 CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
+precompiled = importlib.import_module("{package}.fmu_src.precompiled")
 
 
 class {identifier}(CableSlave):
+    object_code = {object_code}
     model_key = "{model}"
     build_guid = "{guid}"
     tool = "{tool}"
@@ -114,7 +117,26 @@ def _pack(source: Path, extra: dict[str, bytes], to: Path) -> None:
     to.write_bytes(buffer.getvalue())
 
 
-def _write_resources(folder: Path, vendored: Vendored, identifier: str, model: str, scene: Scene, root: Path) -> Path:
+def _object_code(model: str, scene: Scene) -> tuple[bytes, Sequence[Variant]]:
+    """The kernels compiled for the scene's effects, or for those of the generic scene; none, with a line on stderr, where that fails."""
+    if importlib.util.find_spec("fmu_src.native") is None:
+        return b"", ()
+    from fmu_src.native.object_code import can_export, object_code, variants_of
+
+    if not can_export():
+        sys.stderr.write("No object code in the FMU: this machine is no 64-bit x86 Linux. Numba compiles the kernels where it runs.\n")
+        return b"", ()
+    variants = variants_of(model, None if scene == generic_scene() else scene)
+    try:
+        return object_code(model, variants), variants
+    except RuntimeError as error:
+        sys.stderr.write(f"{error}\nNo object code in the FMU: numba compiles the kernels where it runs.\n")
+        return b"", ()
+
+
+def _write_resources(
+    folder: Path, vendored: Vendored, identifier: str, model: str, scene: Scene, root: Path, code: bytes, variants: Sequence[Variant]
+) -> Path:
     """Everything that lies beside the slave's script, and the script."""
     for name, content in vendored.files.items():
         path = folder / name
@@ -125,23 +147,34 @@ def _write_resources(folder: Path, vendored: Vendored, identifier: str, model: s
     (folder / f"{staging_name}.py").write_bytes(staging)
     (folder / "requirements.txt").write_bytes(REQUIREMENTS)
     values = pprint.pformat(scene_values(scene), sort_dicts=False, width=120)
-    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__)
+    shipped = "precompiled.ObjectCode()"
+    if code:
+        (folder / "kernels.o").write_bytes(code)
+        listed = pprint.pformat([dict(variant) for variant in variants], sort_dicts=False, width=120)
+        digest = hashlib.sha256(code + listed.encode()).hexdigest()
+        shipped = f'precompiled.shared("{digest}", Path(__file__).parent / "kernels.o", {listed})'
+    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__, shipped)
     text = _SCRIPT.format(
         staging=staging_name, kernels=vendored.kernels, package=vendored.package, identifier=identifier, model=model,
-        guid=guid, tool=f"cable_fmu {__version__} with PythonFMU {pythonfmu.__version__}", values=values,
+        guid=guid, tool=f"cable_fmu {__version__} with PythonFMU {pythonfmu.__version__}", values=values, object_code=shipped,
     )  # fmt: skip
     script = folder / f"slave_{guid[1:14].replace('-', '')}.py"
     script.write_text(text, encoding="utf-8")
     return script
 
 
-def build(model: str, scene: Scene, to: Path, root: Path = HERE) -> Path:
-    """Write the pythonfmu FMU of a model ("chain" or "tow") with a scene baked in; `root` holds the packages' sources."""
+def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: bool = True) -> Path:
+    """Write the pythonfmu FMU of a model ("chain" or "tow") with a scene baked in; `root` holds the packages' sources.
+
+    precompile: ship the kernels as object code too, which takes a few minutes when it is done for the first time.
+    """
     identifier = identifier_of(to)
     with tempfile.TemporaryDirectory() as name, _imports_undone():
         folder = Path(name) / "files"
         folder.mkdir()
-        script = _write_resources(folder, vendor(root, _MODULES), identifier, model, scene, root)
+        vendored = vendor(root, _MODULES)
+        ours = precompile and vendored.kernels == vendor(HERE, _MODULES).kernels  # else the object code would be of other kernels
+        script = _write_resources(folder, vendored, identifier, model, scene, root, *(_object_code(model, scene) if ours else (b"", ())))
         others = [path for path in folder.iterdir() if path != script]
         made = FmuBuilder.build_FMU(
             script, dest=Path(name) / f"{identifier}.fmu", project_files=others,
@@ -165,6 +198,7 @@ def main(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
     model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
     native: Annotated[bool, typer.Option(help="also build the native FMUs into dist/native")] = True,
+    precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
     simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
@@ -174,10 +208,10 @@ def main(
             key = model or baked.run.model
             if key not in MODELS:
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
-            made = [build(key, baked, output or Path("dist") / f"{Path(scene).stem}.fmu")]
+            made = [build(key, baked, output or Path("dist") / f"{Path(scene).stem}.fmu", precompile=precompile)]
         else:
             dist = output or Path("dist")
-            made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu") for key in MODELS]
+            made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS]
             made += build_native(dist) if native else []
         for path in made:
             typer.echo(f"{path}  {path.stat().st_size} bytes")

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
 
+from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
 from cable_model.errors import SolverError, refuse
-from cable_model.kernels import header, top
+from cable_model.kernels import header
 from cable_model.scene import Scene, numbers_of, parts_of
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS
 
 UNITS = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3 + ("m/s",)  # of the inputs
-FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
     header.NOT_FINITE: "the solution is not finite",
@@ -34,37 +35,51 @@ _REMEDIES = {
 class Model:
     """A cable under a moving top end, stepped like a co-simulation component.
 
-    Subclasses name their kernels.  `state` is the complete state in one float64 array: copy it to save, write it back to restore;
-    a restored run is bit-identical.  `outputs` is in the order of signals.OUTPUTS, `positions()` gives the shape.
+    Subclasses name their kernels.  `state` is the complete state in one float64 array: copy it to save, write it back (`state[:] = `)
+    to restore; a restored run is bit-identical.  `outputs` is in the order of signals.OUTPUTS, `positions()` gives the shape.
     """
 
     name = ""
-    kernels: ModuleType
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:
+        """`precompiled` offers kernels that are compiled already, or None where it has none for this model: then numba compiles them."""
         self.scene = scene
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
-        self._allocate()
+        self._calls = (precompiled and precompiled(self)) or self._just_in_time()
 
-    def _allocate(self) -> None:
-        self.state = np.zeros(self.kernels.state_size(self.parts, self.numbers))
-        self.outputs = np.zeros(len(OUTPUTS))
-        self._work = np.zeros(self.kernels.work_size(self.parts, self.numbers))
-        self._path = np.zeros((6, 4))
-        self._end = np.zeros(9)
+    @staticmethod
+    def kernels() -> ModuleType:
+        """The module of the model's kernels; importing it imports numba."""
+        raise NotImplementedError
+
+    def _just_in_time(self) -> Calls:
+        from cable_model.just_in_time import JustInTime
+
+        return JustInTime(self.kernels(), self.motion_order, self.parts, self.numbers)
+
+    @property
+    def state(self) -> np.ndarray:
+        return self._calls.state
+
+    @property
+    def outputs(self) -> np.ndarray:
+        return self._calls.outputs
+
+    @property
+    def _work(self) -> np.ndarray:
+        return self._calls.work
 
     def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
         """Static equilibrium under the top that `inputs` (10,) places; raises SolverError where there is none."""
         inputs = self._finite(inputs)
+        self._check_start(inputs)
         self.state[:] = 0.0
-        top.start_top(self.motion_order, self.state, inputs)
-        self._must(self._start(time), time)
-        self._read_outputs(time)
+        self._must(self._calls.start(float(time), inputs), time)
 
-    def _start(self, time: float) -> int:
-        return self.kernels.initialize(self.parts, self.numbers, time, self.state, self._work)
+    def _check_start(self, inputs: np.ndarray) -> None:
+        """Refuse a top that does not go with the scene."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
         """One communication step from `time`, with inputs (10,) held as FMI holds them: their values at the start of the step.
@@ -73,10 +88,7 @@ class Model:
         """
         inputs = self._finite(inputs)
         step = self._positive(step)
-        order = self.motion_order
-        top.follow_inputs(order, self.state, inputs, step, self._end, self._path)
-        self._follow(time, step)
-        top.remember(order, self.state, inputs, step)
+        self._must(self._calls.step(float(time), step, inputs), time)
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
         """One step with the top's motion known at both ends, (10,) each: position, velocity, acceleration, winch speed.
@@ -85,34 +97,24 @@ class Model:
         """
         step = self._positive(step)
         start, end = self._finite(start), self._finite(end)
-        top.quintic(start, end, step, self._path)
-        top.wind(self.state[header.PAID_OUT], start[9], end[9], step, self._path)
-        self._follow(time, step)
+        self._must(self._calls.advance(float(time), step, start, end), time)
 
     def positions(self) -> np.ndarray:
         """Positions (n, 3) of the cable from the lower end to the top, m."""
         at = np.zeros((self._shape_points(), 3))
-        self.kernels.node_positions(self.parts, self.numbers, self.state, self._work, at)
+        self._calls.positions(at)
         return at
 
     def _shape_points(self) -> int:
         return self.scene.solver.nodes
 
-    def _follow(self, time: float, step: float) -> None:
-        speed = top.mean_speed(self._path, step)
-        if speed > FASTEST_TOP:
-            raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
-        self._must(self.kernels.advance(self.parts, self.numbers, float(time), float(step), self._path, self.state, self._work), time)
-        self._read_outputs(time)
-
-    def _read_outputs(self, time: float) -> None:
-        self.kernels.outputs(self.parts, self.numbers, self.state, self._work, self.outputs)
-        if not np.isfinite(self.outputs).all():
-            self._must(header.NOT_FINITE, time)
-
     def _must(self, status: int, time: float) -> None:
-        if status == header.OK:
+        if status == header.OK and np.isfinite(self.outputs).all():
             return
+        if status == TOO_FAST:
+            speed = self._calls.top_speed
+            raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
+        status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)
         how_bad = "" if status in (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN) else f" ({self._measure(status)})"
         raise SolverError(

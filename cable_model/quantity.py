@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import types
 import typing
@@ -81,11 +82,17 @@ def _checked(name: str, value: Any, kind: Any, facts: typing.Mapping[str, Any]) 
     raise TypeError(f"{name}: no check for {kind}")
 
 
+@functools.cache
+def types_of(kind: type) -> dict[str, Any]:
+    """The types of a data class's fields by name."""
+    return typing.get_type_hints(kind)
+
+
 def build(kind: type, values: typing.Mapping[str, Any], prefix: str = "") -> Any:
     """Make the frozen data class `kind` from a mapping, checking every value; unknown keys name the nearest known one."""
     if not isinstance(values, dict):
         raise refuse(prefix or kind.__name__, values, "", "a table", "Write it as [" + prefix + "].")
-    hints = typing.get_type_hints(kind)
+    hints = types_of(kind)
     fields = {f.name: f for f in dataclasses.fields(kind)}
     dotted = prefix + "." if prefix else ""
     for key in values:

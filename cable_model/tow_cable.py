@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import ModuleType
 
 import numpy as np
 
 from cable_model.errors import unknown
-from cable_model.kernels import header, tow, tow_space, tow_step
+from cable_model.kernels import header
 from cable_model.kernels.parts import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.signals import OUTPUTS
@@ -24,7 +25,12 @@ class TowCable(Model):
     """
 
     name = "tow"
-    kernels = tow_step
+
+    @staticmethod
+    def kernels() -> ModuleType:
+        from cable_model.kernels import tow_step
+
+        return tow_step
 
     @classmethod
     def from_numbers(cls, p: Mapping[str, float], parts: Parts) -> TowCable:
@@ -37,25 +43,33 @@ class TowCable(Model):
         model.motion_order = 2
         model.parts = parts
         model.numbers = np.array([float(values.get(name, 0.0)) for name in PARAMETERS])
-        model._allocate()
+        model._calls = model._just_in_time()
         return model
 
     def set_state(self, angle: float, angular_velocity: float, stretch: float, stretch_velocity: float) -> None:
         """Replace the motion in the plane: angle rad, rad/s, stretch from zero tension m, m/s."""
+        from cable_model.kernels import tow
+
         self.state[[tow.ANGLE, tow.ANGLE_RATE, tow.STRETCH, tow.STRETCH_RATE]] = angle, angular_velocity, stretch, stretch_velocity
         self.state[header.NEXT_STEP] = 0.0
-        self._read_outputs(self.state[header.TIME])
+        self._calls.read_outputs()
+        self._must(header.OK, self.state[header.TIME])
 
     def set_motion(self, direction: np.ndarray, turning: np.ndarray, stretch: float, stretch_velocity: float) -> None:
         """Replace the motion in space: unit vector (3,) from the top to the body, its rate 1/s, stretch m and its rate m/s."""
+        from cable_model.kernels import tow, tow_space
+
         self.state[tow_space.DIRECTION : tow_space.STATE_IN_SPACE] = *direction, *turning
         self.state[[tow.STRETCH, tow.STRETCH_RATE]] = stretch, stretch_velocity
         self.state[header.NEXT_STEP] = 0.0
-        self._read_outputs(self.state[header.TIME])
+        self._calls.read_outputs()
+        self._must(header.OK, self.state[header.TIME])
 
     @property
     def motion(self) -> np.ndarray:
         """Angle, angular velocity, stretch, stretch velocity in the plane."""
+        from cable_model.kernels import tow
+
         return self.state[tow.ANGLE : tow.ANGLE + 4].copy()
 
     def __getitem__(self, name: str) -> float:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from cable_model import parameters
 from cable_model.errors import refuse, unknown
+from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 
@@ -173,7 +173,7 @@ def _facts(name: str) -> tuple[type, dataclasses.Field]:
     """Type and field of the scene's value behind a parameter."""
     part, _, field = scene_name(name).partition(".")
     holder = getattr(parameters, "".join(word.capitalize() for word in part.split("_")))
-    return typing.get_type_hints(holder)[field], next(f for f in dataclasses.fields(holder) if f.name == field)
+    return types_of(holder)[field], next(f for f in dataclasses.fields(holder) if f.name == field)
 
 
 def _start(scene: Scene, name: str) -> float | int | bool:

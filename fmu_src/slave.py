@@ -30,6 +30,7 @@ from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import Variable, scene_from_values, table
 from fmu_src.model_description import model_description
+from fmu_src.precompiled import ObjectCode
 from fmu_src.state import SavedState, StateError, pack, unpack
 from fmu_src.wrapper import forget_interpreter, keep
 
@@ -73,12 +74,13 @@ def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class CableSlave(Fmi2Slave):
-    """An FMU instance; subclasses name the model, the baked scene and the build."""
+    """An FMU instance; subclasses name the model, the baked scene, the kernels' object code and the build."""
 
     model_key: ClassVar[str] = "chain"
     scene_values: ClassVar[dict[str, Any]] = {}
     build_guid: ClassVar[str] = "{00000000-0000-0000-0000-000000000000}"
     tool: ClassVar[str] = ""
+    object_code: ClassVar[ObjectCode] = ObjectCode()
     _scene: ClassVar[Scene]
     _alive: ClassVar[weakref.WeakSet[CableSlave]] = weakref.WeakSet()
 
@@ -135,6 +137,8 @@ class CableSlave(Fmi2Slave):
         self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
         self._phase = Phase.RUNNING
         self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
+        if self._model is not None and (why := self.object_code.refusal(self._model)):
+            self.log(f"numba compiled the kernels: {why}")
 
     @_guarded
     def do_step(self, current_time: float, step_size: float) -> bool:
@@ -158,11 +162,14 @@ class CableSlave(Fmi2Slave):
         self._phase = Phase.TERMINATED
 
     def _initialize(self, inputs: np.ndarray) -> None:
-        model = MODELS[self.model_key](scene_from_values(self._base, self._parameters()))
+        model = self._made(self._parameters())
         model.initialize(inputs, self._start_time)
         self._model = model
         self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
         self._outdated = False
+
+    def _made(self, parameters: dict[str, float | int | bool]) -> Model:
+        return MODELS[self.model_key](scene_from_values(self._base, parameters), self.object_code.calls)
 
     def _parameters(self) -> dict[str, float | int | bool]:
         known = {**self._real, **self._integer, **self._boolean}
@@ -268,7 +275,7 @@ class CableSlave(Fmi2Slave):
             named = {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()}
             model = self._model
             if model is None or named != self._parameters():
-                model = MODELS[self.model_key](scene_from_values(self._base, named))
+                model = self._made(named)
             model.state[:] = saved.model
         start, entered, reals = np.split(saved.numbers, [1, 1 + len(INPUTS)])
         self._phase = Phase(saved.phase)

@@ -4,7 +4,6 @@ Copied into each FMU under a name of its own.  It imports nothing of ours and ho
 """
 
 import hashlib
-import importlib.metadata
 import importlib.util
 import os
 import shutil
@@ -17,8 +16,8 @@ _ANY_TIME = 1_000_000_000  # numba's cache asks for the time of a source file: t
 
 
 def _key(folder: Path) -> str:
-    """Hash of the Python files in a folder, numba's version and Python's."""
-    digest = hashlib.sha256(f"{importlib.metadata.version('numba')} {sys.implementation.cache_tag} {sys.version_info}".encode())
+    """Hash of the Python files in a folder and of Python's version; numba's is in the folder where it keeps what it compiled."""
+    digest = hashlib.sha256(f"{sys.implementation.cache_tag} {sys.version_info}".encode())
     for path in sorted(folder.rglob("*.py")):
         digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:20]

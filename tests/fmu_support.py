@@ -8,12 +8,13 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from cable_model.signals import INPUTS, OUTPUTS
 
-__all__ = ["FMICallException", "Fmu", "Instance", "sway"]
+__all__ = ["FMICallException", "Fmu", "Instance", "assert_same", "sway"]
 
 _numbers = itertools.count()
 
@@ -24,6 +25,12 @@ def sway(time: float, amplitude: float = 0.3, omega: float = 0.9) -> np.ndarray:
     x = amplitude * (phase - np.sin(phase)), amplitude * omega * (1.0 - np.cos(phase)), amplitude * omega**2 * np.sin(phase)
     z = amplitude * (1.0 - np.cos(phase)), amplitude * omega * np.sin(phase), amplitude * omega**2 * np.cos(phase)
     return np.array([x[0], 0.0, z[0], x[1], 0.0, z[1], x[2], 0.0, z[2]])
+
+
+def assert_same(found: np.ndarray, expected: np.ndarray) -> None:
+    """Outputs (steps, 18) are equal within 1e-12 of each signal's size."""
+    scale = np.abs(expected).max(axis=0) + 1e-300
+    assert (np.abs(found - expected) / scale).max(axis=0) == pytest.approx(0.0, abs=1e-12)
 
 
 class Fmu:

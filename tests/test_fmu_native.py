@@ -15,7 +15,7 @@ import numba
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from fmu_support import FMICallException, Fmu, Instance, sway
+from fmu_support import FMICallException, Fmu, Instance, assert_same, sway
 from test_fmu_input import BAD_PARAMETERS, BAD_STEPS, STEP
 
 from cable_model.effects import effects, one_line
@@ -25,8 +25,9 @@ from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.scene import Scene, load, numbers_of, parts_of, with_values
 from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.entries import ABSENT, PRESENT
 from fmu_src.interface import generic_scene, scene_from_values, table
-from fmu_src.native import build, export
+from fmu_src.native import build, export, object_code
 from fmu_src.native.rules import Literal, Rules
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -112,12 +113,6 @@ def native_run(instance: Instance, values: dict[str, Any], inputs: np.ndarray, s
     return np.array([instance.outputs(), *(instance.step(k * step, step, row) for k, row in enumerate(inputs))])
 
 
-def assert_same(found: np.ndarray, expected: np.ndarray) -> None:
-    """Equal within 1e-12 of each signal's size."""
-    scale = np.abs(expected).max(axis=0) + 1e-300
-    assert (np.abs(found - expected) / scale).max(axis=0) == pytest.approx(0.0, abs=1e-12)
-
-
 # -- the archive
 
 
@@ -163,8 +158,8 @@ def test_the_library_names_no_folder_of_this_machine(fmu: Fmu):
 
 
 def test_the_same_kernels_give_the_same_bytes_in_another_process(native: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    again = export.export("tow", build.GENERIC["tow"])
-    monkeypatch.setattr(build, "_kernels", lambda model, variants: again)
+    again = export.export("tow", object_code.GENERIC["tow"])
+    monkeypatch.setattr(build, "object_code", lambda model, variants: again)
     assert build.build_native("tow", tmp_path / "TowCable.fmu").read_bytes() == native["tow"].path.read_bytes()
 
 
@@ -203,9 +198,9 @@ def test_the_parameters_decide_on_the_effects_as_in_the_library(native: dict[str
 
 def test_a_baked_scene_has_exactly_its_own_parts(tmp_path: Path):
     scene = with_values(load("dale_sphere"), {"current.levels": [[-1.0, 0.05, 0.0], [-3.0, 0.02, 0.0]]})
-    (variant,) = build.variants_of("tow", scene)
+    (variant,) = object_code.variants_of("tow", scene)
     assert {name for name, kind in variant.items() if kind} == {"body", "water", "current", "cable_mass", "tension_floor"}
-    assert set(variant.values()) == {export.ABSENT, export.PRESENT}
+    assert set(variant.values()) == {ABSENT, PRESENT}
     fmu = Fmu(build.build_native("tow", tmp_path / "Sphere.fmu", scene), tmp_path / "x")
     inputs = np.array([sway(k * STEP, 0.05) + np.eye(9)[2] * -0.5 for k in range(20)])
     instance = fmu.instance()

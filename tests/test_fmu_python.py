@@ -12,7 +12,7 @@ from types import ModuleType
 import fmpy
 import numpy as np
 import pytest
-from fmu_support import Fmu, Instance, sway
+from fmu_support import Fmu, Instance, assert_same, sway
 
 from cable_model.fmu_check import sampled_motion, simulate_fmu
 from cable_model.models import MODELS
@@ -45,9 +45,9 @@ def library(fmu: Fmu, values: dict[str, object] | None = None):
 
 @pytest.mark.parametrize(("key", "name"), SCENES)
 def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(build_fmu: ModuleType, tmp_path: Path, key: str, name: str):
-    """fmpy's own simulation loop, bit for bit the library's steps."""
+    """fmpy's own simulation loop, the library's steps; numba compiles the kernels (object code: test_fmu_precompiled.py)."""
     scene = load(name)
-    path = build_fmu.build(key, scene, tmp_path / f"{name}.fmu")
+    path = build_fmu.build(key, scene, tmp_path / f"{name}.fmu", precompile=False)
     step, count = scene.run.output_step, 40
     times, inputs = sampled_motion(top_motion(scene.top), count * step, step)
     columns, table = simulate_fmu(path, times, inputs)
@@ -63,14 +63,17 @@ def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(build_fmu: ModuleT
     assert (np.abs(table[:, first : first + len(OUTPUTS)] - rows) / scale).max() < 1e-9
 
 
-def test_steps_are_bit_identical_to_the_librarys(fmu: Fmu):
+def test_steps_are_the_librarys_within_rounding(fmu: Fmu):
+    """To 1e-12 of each signal's size: the object code is for any x86-64 processor, numba's own for the one at hand."""
     model, instance = library(fmu, LONE_CHANGES), fmu.instance()
     instance.initialize(LONE_CHANGES, sway(0.0))
     model.initialize(sway(0.0))
-    assert np.array_equal(instance.outputs(), model.outputs)
+    found, expected = [instance.outputs()], [model.outputs.copy()]
     for k in range(40):
         model.step(k * 0.05, 0.05, sway(k * 0.05))
-        assert np.array_equal(instance.step(k * 0.05, 0.05, sway(k * 0.05)), model.outputs)
+        expected.append(model.outputs.copy())
+        found.append(instance.step(k * 0.05, 0.05, sway(k * 0.05)))
+    assert_same(np.array(found), np.array(expected))
     instance.close()
 
 

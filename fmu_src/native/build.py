@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import io
-import json
 import re
 import shutil
 import subprocess
@@ -16,18 +15,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, indent, tostring
 
-import numba
-
 from cable_model import __version__
 from cable_model.errors import ParameterError
-from cable_model.kernels.jit import source_hash
-from cable_model.kernels.parts import Parts
 from cable_model.models import MODELS
-from cable_model.scene import Scene, parts_of
+from cable_model.scene import Scene
 from fmu_src.interface import Variable, generic_scene, table
 from fmu_src.model_description import model_description, osp_description
-from fmu_src.native.export import ABSENT, ALWAYS, EITHER, PRESENT, Variant, export
 from fmu_src.native.header import c_header
+from fmu_src.native.object_code import object_code, variants_of
 
 HERE = Path(__file__).resolve().parent
 IDENTIFIERS = {"chain": "CableChain", "tow": "TowCable"}
@@ -37,48 +32,6 @@ FLAGS = (
     "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack", "-Wl,-s",
 )  # fmt: skip
 EPOCH = (1980, 1, 1, 0, 0, 0)
-
-# parts of an FMU without a baked scene, which parameters switch on and off
-_ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
-    "slack": EITHER, "bending": EITHER, "body": EITHER, "anchor": EITHER, "water": EITHER,
-    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS, "seabed": EITHER, "friction": EITHER, "winch": EITHER,
-}  # fmt: skip
-_ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
-    "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,
-    "tension_floor": PRESENT, "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
-}  # fmt: skip
-GENERIC: dict[str, tuple[Variant, ...]] = {
-    "chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}),
-    "tow": (_ANY_TOW, _ANY_TOW | {"space": PRESENT, "as_printed": ABSENT}),
-}
-
-
-def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
-    """What is compiled: exactly the parts of a baked scene, or the generic set."""
-    if scene is None:
-        return GENERIC[model]
-    return ({name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()},)
-
-
-def _kernels(model: str, variants: Sequence[Variant]) -> bytes:
-    """Object code of the variants; kept in the user's cache by the content of everything that makes it."""
-    import platformdirs
-
-    made_from = [source_hash(), numba.__version__, model, json.dumps(list(variants))]
-    made_from += [path.read_text(encoding="utf-8") for path in (HERE / "export.py", HERE / "presence.py")]
-    name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
-    path = Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
-    if path.is_file():
-        return path.read_bytes()
-    code = export(model, variants)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part = path.with_name(f"{name}.{uuid.uuid4().hex}")
-        part.write_bytes(code)
-        part.replace(path)
-    except OSError:
-        pass  # a cache that cannot be written is none
-    return code
 
 
 def compiler() -> str | None:
@@ -149,7 +102,7 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None)
     base = generic_scene() if scene is None else scene
     rows, variants = table(base), variants_of(model_name, scene)
     header = c_header(identifier, rows, base, model_name, variants)
-    kernels = _kernels(model_name, variants)
+    kernels = object_code(model_name, variants)
     sources = [(HERE / name).read_text(encoding="utf-8") for name in ("fmu.c", "component.h")]
     draft = _description(identifier, "", rows, base, model_name)
     guid = _guid(header, kernels, *sources, draft)

@@ -31,18 +31,6 @@ typedef struct {
     char active[1024];
 } Instance;
 
-/* numba's views of the arrays ask for this; they are all contiguous */
-int numba_attempt_nocopy_reshape(intptr_t nd, const intptr_t *dims, const intptr_t *strides, intptr_t new_nd, const intptr_t *new_dims,
-                                 intptr_t *new_strides, intptr_t item, int fortran)
-{
-    (void)dims;
-    if (fortran || nd != 1 || strides[0] != item)
-        return 0;
-    for (intptr_t k = new_nd - 1, stride = item; k >= 0; stride *= new_dims[k--])
-        new_strides[k] = stride;
-    return 1;
-}
-
 /* -- errors and memory */
 
 static void tell(const Instance *m, fmi2Status status, const char *category, const char *format, va_list arguments)

@@ -11,16 +11,14 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-# a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
-ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
-TABLES = ("current", "waves")
-SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
-TOO_FAST = -1  # status of an entry, beside those of the kernels
+from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, STEP, TABLES, Variant
+
 PATH, END, WORK = 0, 24, 33  # places in an entry's work array: path, end of the path, the kernels' own
+LONGEST = 1800  # s, of an export; two variants take a few minutes
 ENVIRONMENT = {
     "NUMBA_CPU_NAME": "x86-64",
     "NUMBA_CPU_FEATURES": "",
@@ -35,7 +33,38 @@ int32_t {name}(int64_t *status, void **error, int64_t what, double time, double 
                int64_t components, double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
 """
 
-Variant = Mapping[str, int]
+# numba's views of the arrays, which are all contiguous, ask for this function
+RESHAPE = """
+define i32 @numba_attempt_nocopy_reshape(
+    i64 %n, ptr %sizes, ptr %strides, i64 %new_n, ptr %new_sizes, ptr %new_strides, i64 %item, i32 %fortran
+) {
+check:
+  %stride = load i64, ptr %strides
+  %flat = icmp eq i64 %n, 1
+  %dense = icmp eq i64 %stride, %item
+  %by_rows = icmp eq i32 %fortran, 0
+  %both = and i1 %flat, %dense
+  %possible = and i1 %both, %by_rows
+  br i1 %possible, label %next, label %impossible
+next:
+  %left = phi i64 [ %new_n, %check ], [ %k, %axis ]
+  %span = phi i64 [ %item, %check ], [ %wider, %axis ]
+  %more = icmp sgt i64 %left, 0
+  br i1 %more, label %axis, label %done
+axis:
+  %k = sub i64 %left, 1
+  %stride_of_k = getelementptr i64, ptr %new_strides, i64 %k
+  store i64 %span, ptr %stride_of_k
+  %size_of_k = getelementptr i64, ptr %new_sizes, i64 %k
+  %size = load i64, ptr %size_of_k
+  %wider = mul i64 %span, %size
+  br label %next
+done:
+  ret i32 1
+impossible:
+  ret i32 0
+}
+"""
 
 
 def _parts(variant: Variant) -> Any:
@@ -63,12 +92,12 @@ def _parts(variant: Variant) -> Any:
 
 
 def _entry(kernels: Any, variant: Variant) -> Any:
-    """The calls of model.Model, from plain pointers."""
+    """The calls of just_in_time.JustInTime, from plain pointers."""
     from numba import carray
 
+    from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.kernels import header, top
     from cable_model.kernels.parts import PARAMETERS, Parts
-    from cable_model.model import FASTEST_TOP
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
@@ -135,7 +164,7 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    linked = llvm.parse_assembly("")
+    linked = llvm.parse_assembly(RESHAPE)
     for _, module in modules:
         linked.link_in(module, preserve=True)
     text = str(linked)
@@ -163,19 +192,28 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
     passes = builder.getModulePassManager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
+    wanted = {value.name for value in module.functions if value.is_declaration and not value.name.startswith("llvm.")}
+    if wanted - {*EXTERNAL}:
+        raise ValueError(f"kernels call {sorted(wanted - {*EXTERNAL})}. Add what libc and libm have to entries.EXTERNAL.")
     return machine.emit_object(module)
 
 
 def export(model: str, variants: Sequence[Variant]) -> bytes:
-    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, compiled in a process of its own."""
+    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, compiled in a process of its own.
+
+    Raises RuntimeError with that process's last words where it fails or takes longer than LONGEST.
+    """
     import os
 
     request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants]})
     root = Path(__file__).parents[2]
-    done = subprocess.run(
-        [sys.executable, "-m", "fmu_src.native.export"],
-        input=request.encode(), capture_output=True, cwd=root, env={**os.environ, **ENVIRONMENT}, check=False,
-    )  # fmt: skip
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "fmu_src.native.export"],
+            input=request.encode(), capture_output=True, cwd=root, env={**os.environ, **ENVIRONMENT}, check=False, timeout=LONGEST,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired as error:
+        raise RuntimeError(f"the export of the kernels took longer than {LONGEST} s") from error
     if done.returncode != 0:
         raise RuntimeError(f"the export of the kernels failed:\n{done.stderr.decode()}")
     return done.stdout
@@ -188,7 +226,7 @@ def main() -> None:
     from cable_model.models import MODELS
 
     request = json.load(sys.stdin)
-    kernels = MODELS[request["model"]].kernels
+    kernels = MODELS[request["model"]].kernels()
     sys.stdout.buffer.write(_optimized([_compile(_entry(kernels, variant)) for variant in request["variants"]]))
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 
+from cable_model.calls import TOO_FAST, Calls
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
 from cable_model.kernels.parts import PARAMETERS, Parts
@@ -16,9 +18,10 @@ from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.scene import Scene, parts_of
 from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src import entries
+from fmu_src.entries import Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable
-from fmu_src.native import export
-from fmu_src.native.export import Variant
+from fmu_src.native.export import ENTRY
 from fmu_src.native.rules import Literal, Rules
 
 TYPES = """
@@ -69,8 +72,7 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
 def _bare(kind: type[Model]) -> Model:
     """A model without a scene, to ask it for the texts of its errors."""
     model = kind.__new__(kind)
-    model.state = np.zeros(header.HEADER)
-    model._path = np.zeros((6, 4))
+    model._calls = cast(Calls, SimpleNamespace(state=np.zeros(header.HEADER), top_speed=math.inf))
     return model
 
 
@@ -94,9 +96,8 @@ def _failures(model: Model) -> tuple[list[str], str]:
 
 
 def _too_fast(model: Model) -> str:
-    model._path[1, 0] = 1e300
     try:
-        model._follow(0.0, 1.0)
+        model._must(TOO_FAST, 0.0)
     except ParameterError as error:
         return Rules.tail(str(error))
     raise ValueError("a top of any speed is accepted. Leave its text out of header.py.")
@@ -108,11 +109,11 @@ def _unsupported(parts: Mapping[str, Sequence[Literal] | None], variants: Sequen
     for name, literals in parts.items():
         allowed = {variant[name] for variant in variants}
         deciding = next(iter(literals or ()), None)
-        if deciding is None or allowed - {export.ABSENT, export.PRESENT} or len(allowed) > 1:
+        if deciding is None or allowed - {entries.ABSENT, entries.PRESENT} or len(allowed) > 1:
             lines.append("{-1, 0}")
         else:
             (only,) = allowed
-            lines.append(f"{{{deciding[0]}, {int(deciding[1] != (only == export.PRESENT))}}}")
+            lines.append(f"{{{deciding[0]}, {int(deciding[1] != (only == entries.PRESENT))}}}")
     return lines
 
 
@@ -134,22 +135,22 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "WAVE_AMPLITUDE": place["wave.amplitude"], "WAVE_PERIOD": place["wave.period"],
         "WAVE_DIRECTION": place["wave.direction"], "WAVE_PHASE": place["wave.phase"],
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
-        "ABSENT": export.ABSENT, "PRESENT": export.PRESENT, "EITHER": export.EITHER, "ALWAYS": export.ALWAYS,
-        "SIZES": export.SIZES, "START": export.START, "STEP": export.STEP,
-        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({export.TOO_FAST})",
+        "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
+        "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
+        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
         "FAILURE_ARGUMENTS": arguments,
         "TOO_FAST_TEXT": _text(_too_fast(bare)), "STEP_TEXT": _text(rules.step_text),
         "MODEL_NAME": _text(MODELS[model].__name__), "MODEL_IDENTIFIER": _text(identifier),
     }  # fmt: skip
-    entries = [f"kernel_{k}" for k in range(len(variants))]
+    symbols = [f"kernel_{k}" for k in range(len(variants))]
     blocks = [
         "/* Written by fmu_src/native/header.py. */\n#include <math.h>\n#include <stdint.h>\n",
         TYPES,
         "".join(f"#define {name} {value}\n" for name, value in names.items()),
-        *(export.ENTRY.format(name=name) for name in entries),
-        f"typedef __typeof__({entries[0]}) Kernel;\n",
-        f"static Kernel *const kernels[] = {{{', '.join(entries)}}};\n",
+        *(ENTRY.format(name=name) for name in symbols),
+        f"typedef __typeof__({symbols[0]}) Kernel;\n",
+        f"static Kernel *const kernels[] = {{{', '.join(symbols)}}};\n",
         _array("Variable", "variables", (_variable(row, rules, vr) for vr, row in enumerate(rows))),
         _array("Number", "numbers_from", (f"{{{vr}, {instead}}}" for vr, instead in rules.numbers())),
         _array("Refusal", "refusals", (f"{{{_condition(r.literals)}, {r.variable}, {_text(r.text)}}}" for r in rules.refusals())),

@@ -1,0 +1,67 @@
+"""The kernels as numba compiles them for the parts at hand, called for a model.  Only this file makes a model need numba."""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+import numpy as np
+
+from cable_model.calls import FASTEST_TOP, TOO_FAST
+from cable_model.kernels import header, top
+from cable_model.kernels.parts import Parts
+from cable_model.signals import OUTPUTS
+
+
+class JustInTime:
+    """Calls of a module of kernels (`chain` or `tow_step`); `held` are the parts under which the cable hangs until it is let go."""
+
+    def __init__(self, kernels: ModuleType, order: int, parts: Parts, numbers: np.ndarray, held: Parts | None = None) -> None:
+        self._kernels, self._order, self._parts, self._numbers, self._held = kernels, order, parts, numbers, held
+        self.state = np.zeros(kernels.state_size(parts, numbers))
+        self.work = np.zeros(kernels.work_size(parts, numbers))
+        self.outputs = np.zeros(len(OUTPUTS))
+        self.top_speed = 0.0
+        self._path = np.zeros((6, 4))
+        self._end = np.zeros(9)
+
+    def start(self, time: float, inputs: np.ndarray) -> int:
+        top.start_top(self._order, self.state, inputs)
+        status = self._equilibrium(time)
+        if status == header.OK:
+            self.read_outputs()
+        return status
+
+    def _equilibrium(self, time: float) -> int:
+        """Statics; with the parts that hold it, then rates without them, where the cable is let go at the start."""
+        if self._held is None:
+            found: int = self._kernels.initialize(self._parts, self._numbers, time, self.state, self.work)
+            return found
+        status: int = self._kernels.settle(self._held, self._numbers, time, self.state, self.work)
+        return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
+
+    def step(self, time: float, step: float, inputs: np.ndarray) -> int:
+        top.follow_inputs(self._order, self.state, inputs, step, self._end, self._path)
+        status = self._follow(time, step)
+        if status == header.OK:
+            top.remember(self._order, self.state, inputs, step)
+        return status
+
+    def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
+        top.quintic(start, end, step, self._path)
+        top.wind(self.state[header.PAID_OUT], start[9], end[9], step, self._path)
+        return self._follow(time, step)
+
+    def _follow(self, time: float, step: float) -> int:
+        self.top_speed = top.mean_speed(self._path, step)
+        if self.top_speed > FASTEST_TOP:
+            return TOO_FAST
+        status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
+        if status == header.OK:
+            self.read_outputs()
+        return status
+
+    def positions(self, at: np.ndarray) -> None:
+        self._kernels.node_positions(self._parts, self._numbers, self.state, self.work, at)
+
+    def read_outputs(self) -> None:
+        self._kernels.outputs(self._parts, self._numbers, self.state, self.work, self.outputs)

@@ -1,0 +1,28 @@
+"""Compiled entries of the kernels: what they are asked for, what they ask for, and which scenes they serve.  Words for numbers only.
+
+`fmu_src.native.export` compiles them; the native FMU links them, and the pythonfmu FMU loads them (`fmu_src.precompiled`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from cable_model.kernels.parts import Parts
+
+# a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
+ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
+TABLES = ("current", "waves")
+SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
+EXTERNAL = (
+    "acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "floor", "fmod", "hypot", "log", "log1p", "memcpy", "memmove",
+    "memset", "pow", "round", "sin", "sincos", "sinh", "sqrt", "tan", "tanh", "trunc",
+)  # fmt: skip
+"""All that entries may call of libc and libm."""
+
+Variant = Mapping[str, int]
+
+
+def serves(variant: Variant, parts: Parts) -> bool:
+    """Whether a variant does what a scene with these parts asks for."""
+    asked = {name: ABSENT if part is None else PRESENT for name, part in parts._asdict().items()}
+    return all(variant[name] in (kind, EITHER, ALWAYS) for name, kind in asked.items())

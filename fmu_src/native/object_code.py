@@ -1,0 +1,83 @@
+"""The object code of a model's kernels, from the user's cache or a new export; which variants of a model are compiled."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import platform
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from cable_model.kernels.parts import Parts
+from cable_model.scene import Scene, parts_of
+from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, Variant
+from fmu_src.native.export import export
+
+HERE = Path(__file__).resolve().parent
+_MADE_BY = (HERE.parent / "entries.py", HERE / "export.py", HERE / "presence.py")
+
+# parts of an FMU without a baked scene, which parameters switch on and off
+_ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
+    "slack": EITHER, "bending": EITHER, "body": EITHER, "anchor": EITHER, "water": EITHER,
+    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS, "seabed": EITHER, "friction": EITHER, "winch": EITHER,
+}  # fmt: skip
+_ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
+    "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,
+    "tension_floor": PRESENT, "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
+}  # fmt: skip
+GENERIC: dict[str, tuple[Variant, ...]] = {
+    "chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}),
+    "tow": (_ANY_TOW, _ANY_TOW | {"space": PRESENT, "as_printed": ABSENT}),
+}
+
+
+def can_export() -> bool:
+    """Whether this machine is of the kind that the object code is for."""
+    return sys.platform == "linux" and platform.machine() == "x86_64"
+
+
+def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
+    """What is compiled: exactly the parts of a baked scene, or the generic set."""
+    if scene is None:
+        return GENERIC[model]
+    return ({name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()},)
+
+
+@contextlib.contextmanager
+def _alone(lock: Path) -> Iterator[None]:
+    """One process at a time: others wait for what the first one makes."""
+    import fcntl
+
+    with lock.open("w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def object_code(model: str, variants: Sequence[Variant]) -> bytes:
+    """Entries kernel_0, kernel_1, ... of the variants as an object file; kept in the user's cache by the content of all that makes it.
+
+    Raises RuntimeError where the export fails.
+    """
+    import numba
+    import platformdirs
+
+    from cable_model.kernels.jit import source_hash
+
+    made_from = [source_hash(), numba.__version__, model, json.dumps(list(variants))]
+    made_from += [path.read_text(encoding="utf-8") for path in _MADE_BY]
+    name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
+    path = Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
+    if path.is_file():
+        return path.read_bytes()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with _alone(path.with_suffix(".lock")):
+            if not path.is_file():
+                part = path.with_suffix(".part")
+                part.write_bytes(export(model, variants))
+                part.replace(path)
+            return path.read_bytes()
+    except OSError:
+        return export(model, variants)  # a cache that cannot be written is none

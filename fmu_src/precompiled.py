@@ -1,0 +1,139 @@
+"""Loads the kernels that an FMU ships as object code, with llvmlite alone: neither numba nor a compiler, and no physics.
+
+Where the object code cannot serve, it says why, and numba compiles the kernels.  The head of an entry is `fmu_src.native.export.ENTRY`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+
+from cable_model.calls import Calls
+from cable_model.kernels import header
+from cable_model.model import Model
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.entries import EXTERNAL, SIZES, START, STEP, Variant, serves
+
+_KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
+_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipip"))  # releases the interpreter's lock
+_NO_LEVELS = np.zeros((1, 3))
+_NO_WAVES = np.zeros((0, 6))
+
+
+class ObjectCode:
+    """Object code with the entries kernel_0, kernel_1, ... of some variants.  It is loaded once, when the first model asks for it."""
+
+    def __init__(self, code: bytes = b"", variants: Sequence[Variant] = ()) -> None:
+        self._code, self._variants = code, variants
+
+    def calls(self, model: Model) -> Calls | None:
+        """The calls of a model; None where `refusal` says why not."""
+        if self.refusal(model):
+            return None
+        engine, entries = self._loaded
+        entry = next(entry for entry, variant in zip(entries, self._variants, strict=True) if serves(variant, model.parts))
+        return Precompiled(entry, model, engine)
+
+    def refusal(self, model: Model) -> str:
+        """Why the object code does not serve a model; "" where it does."""
+        if not self._code:
+            return "the FMU was built without object code"
+        if model.scene.lower_end.released or not any(serves(variant, model.parts) for variant in self._variants):
+            return "no variant in the object code has these effects"
+        return self._unloadable
+
+    @functools.cached_property
+    def _unloadable(self) -> str:
+        """Why the object code cannot be loaded here; "" where it can."""
+        if not sys.platform.startswith("linux") or os.uname().machine != "x86_64":
+            return "the object code is for 64-bit x86 Linux"
+        try:
+            _ = self._loaded
+        except (ImportError, OSError, RuntimeError, AttributeError) as error:
+            return f"llvmlite could not load the object code ({error})"
+        return ""
+
+    @functools.cached_property
+    def _loaded(self) -> tuple[object, list[Callable[..., int]]]:
+        """LLVM's engine, which owns the machine code, and the entries."""
+        import llvmlite.binding as llvm
+
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        llvm.load_library_permanently("libm.so.6")
+        missing = [name for name in EXTERNAL if llvm.address_of_symbol(name) is None]
+        if missing:  # LLVM ends the process where it misses one
+            raise RuntimeError(f"{', '.join(missing)} not found")
+        machine = llvm.Target.from_triple("x86_64-unknown-linux-gnu").create_target_machine()
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+        engine.add_object_file(llvm.ObjectFileRef.from_data(self._code))
+        engine.finalize_object()
+        return engine, [_ENTRY(engine.get_function_address(f"kernel_{k}")) for k in range(len(self._variants))]
+
+
+_shared: dict[str, ObjectCode] = {}
+
+
+def shared(name: str, path: Path, variants: Sequence[Variant]) -> ObjectCode:
+    """The object code in a file, one for all instances: pythonfmu runs an FMU's script again for each.  `name` tells contents apart."""
+    if name not in _shared:
+        _shared[name] = ObjectCode(path.read_bytes(), variants)
+    return _shared[name]
+
+
+def _at(array: np.ndarray) -> int:
+    return int(array.ctypes.data)
+
+
+class Precompiled:
+    """Calls of one entry; it serves what FMI asks for, not a top whose motion is known ahead."""
+
+    def __init__(self, entry: Callable[..., int], model: Model, engine: object) -> None:
+        parts = model.parts
+        levels: Any = _NO_LEVELS if parts.current is None else parts.current
+        waves: Any = _NO_WAVES if parts.waves is None else parts.waves
+        self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(OUTPUTS)), np.zeros(2, dtype=np.int64)
+        present = np.array([float(part is not None) for part in parts])
+        self._held = (model.numbers, present, levels, waves, engine)  # only their addresses are passed
+        fixed = (model.motion_order, _at(self._inputs), _at(model.numbers), _at(present), _at(levels), len(levels), _at(waves), len(waves))
+        self._new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
+        entry(*status, SIZES, 0.0, 0.0, *fixed, None, 0, None, 0, self._new_at)
+        sizes = self._new[:2].astype(int)
+        self.state, self.work = np.zeros(sizes[0]), np.zeros(sizes[1])
+        self.outputs = np.zeros(len(OUTPUTS))
+        self.top_speed = 0.0
+        arrays = (*fixed, _at(self.state), len(self.state), _at(self.work), len(self.work), self._new_at)
+        self._call: Callable[..., int] = lambda what, time, step: entry(*status, what, time, step, *arrays)
+
+    def _run(self, what: int, time: float, step: float, inputs: np.ndarray) -> int:
+        self._inputs[:] = inputs
+        if self._call(what, time, step):  # what numba would raise
+            return header.NOT_FINITE
+        status = int(self._status[0])
+        if status == header.OK:
+            self.outputs[:] = self._new
+        else:
+            self.top_speed = float(self._new[0])
+        return status
+
+    def start(self, time: float, inputs: np.ndarray) -> int:
+        return self._run(START, time, 0.0, inputs)
+
+    def step(self, time: float, step: float, inputs: np.ndarray) -> int:
+        return self._run(STEP, time, step, inputs)
+
+    def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> NoReturn:
+        raise NotImplementedError("the object code takes inputs at the start of a step only")
+
+    def positions(self, at: np.ndarray) -> NoReturn:
+        raise NotImplementedError("the object code gives outputs only")
+
+    def read_outputs(self) -> NoReturn:
+        raise NotImplementedError("the object code gives outputs only after a step")
