@@ -273,7 +273,7 @@ def hard(
         raise typer.Exit(1)
 
 
-for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers):
+for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers, cli_studies.limits):
     app.command()(command)
 
 

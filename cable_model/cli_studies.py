@@ -150,3 +150,18 @@ def peers(
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(text, encoding="utf-8")
         console.print(f"wrote {output}")
+
+
+def limits(
+    output: Annotated[Path, typer.Option("-o", "--output", help="the note to write, Markdown")] = Path("results/limits.md"),
+    quick: Annotated[bool, typer.Option("--quick", help="the bare chain only")] = False,
+) -> None:
+    """Count the kernels' operations, time them, and set both beside what the machine can do."""
+    from cable_model.limits import report
+
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("limits", total=None)
+        found = report.measure(quick, lambda text: bar.update(task, description=text))
+    report.write(output, found)
+    console.print(report.markdown(found), soft_wrap=True)
+    console.print(f"wrote {output}")

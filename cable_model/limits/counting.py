@@ -7,6 +7,7 @@ The longest such path is what no compiler can get below without another algorith
 from __future__ import annotations
 
 import json
+import math
 import sys
 from typing import Any, ClassVar
 
@@ -19,7 +20,7 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.staggered_step import Winding
 from cable_model.models import MODELS
 
-LATENCY = {"add": 4, "multiply": 4, "divide": 14, "root": 18}  # cycles, of scalar double precision on recent x86-64 cores
+LATENCY = {"add": 4, "multiply": 4, "divide": 14, "root": 18, "sine": 50}  # cycles, of double precision on recent x86-64 cores
 NODES = (21, 41)  # the difference of the two is counted: what belongs to the ends drops out
 
 
@@ -70,6 +71,19 @@ class Counted(float):
     __radd__, __rmul__ = __add__, __mul__
 
 
+def _counting(function: Any, kind: str) -> Any:
+    def call(x: float) -> float:
+        return Counted._made(kind, function(float(x)), x) if isinstance(x, Counted) else function(x)
+
+    return call
+
+
+def _count_functions() -> None:
+    """Let the functions that kernels take from `math` count too; for a process that does nothing else."""
+    for name, kind in {"sqrt": "root", "sin": "sine", "cos": "sine"}.items():
+        setattr(math, name, _counting(getattr(math, name), kind))
+
+
 def _counted(array: np.ndarray) -> np.ndarray:
     return np.array([Counted(x) for x in array], dtype=object)
 
@@ -103,4 +117,5 @@ def per_node(case: str) -> dict[str, float]:
 
 
 if __name__ == "__main__":
+    _count_functions()
     json.dump({case: per_node(case) for case in sys.argv[1:]}, sys.stdout)

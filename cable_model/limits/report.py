@@ -1,0 +1,118 @@
+"""The note on the kernels' limits: operations counted, bounds, times of a vector and a scalar build, growth with the nodes."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from cable_model.limits import measuring
+from cable_model.studies.work_precision import machine
+
+# us per node and Newton iteration that the kernels are meant to keep
+TARGETS = {
+    "bare chain": 0.1,
+    "bending": 0.2,
+    "space": 0.25,
+    "space and bending": 0.5,
+    "box grid": 0.5,
+    "water": None,
+    "box grid and bending": None,
+}
+COUNTED = ("bare chain", "bending", "water", "space", "space and bending")  # the box grid's pivoting depends on its numbers
+SCALAR = {"NUMBA_CPU_NAME": "x86-64", "NUMBA_CPU_FEATURES": "", "NUMBA_LOOP_VECTORIZE": "0", "NUMBA_SLP_VECTORIZE": "0"}
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Everything that the note shows."""
+
+    counts: Mapping[str, Mapping[str, float]]
+    vector: Mapping[str, float]  # s per node and Newton iteration, compiled for this machine
+    scalar: Mapping[str, float]  # for any x86-64 machine, no vectors
+    rates: Mapping[str, float]
+    growth: Sequence[tuple[int, float, float]]
+
+
+def _asked(module: str, cases: Sequence[str], environment: Mapping[str, str]) -> dict[str, dict[str, float]]:
+    done = subprocess.run(
+        [sys.executable, "-m", module, *cases], env={**os.environ, **environment}, capture_output=True, text=True, check=True
+    )
+    found: dict[str, dict[str, float]] = json.loads(done.stdout)
+    return found
+
+
+def measure(quick: bool = False, told: Callable[[str], None] = print) -> Limits:
+    """Count and time; a scalar build in a process of its own.  `quick`: the bare chain only, and no scalar build."""
+    cases = list(TARGETS)[: 1 if quick else None]
+    told("counting operations")
+    counts = _asked("cable_model.limits.counting", [case for case in cases if case in COUNTED], {"NUMBA_DISABLE_JIT": "1"})
+    told("times of a build for this machine")
+    vector = measuring.times_of(cases)
+    scalar: Mapping[str, float] = {}
+    if not quick:
+        told("times of a scalar build")
+        scalar = _asked("cable_model.limits.measuring", cases, SCALAR)  # type: ignore[assignment]
+    told("growth with the nodes")
+    growth = measuring.growth((26, 51), 0.5) if quick else measuring.growth()
+    return Limits(counts, vector, scalar, measuring.machine_rates(), growth)
+
+
+def _row(case: str, found: Limits) -> str:
+    cycle, rate = found.rates["cycle"], found.rates["flops"]
+    target = TARGETS[case]
+    cells = [case]
+    if case in found.counts:
+        count = found.counts[case]
+        path, work = 1e9 * count["path"] * cycle, 1e9 * count["flops"] / rate
+        cells += [f"{count['flops']:.0f}", f"{count['divide']:.0f} + {count['root']:.0f}", f"{work:.0f}", f"{path:.0f}"]
+    else:
+        cells += ["-"] * 4
+    cells += [f"{1e9 * found.vector[case]:.0f}", f"{1e9 * found.scalar[case]:.0f}" if case in found.scalar else "-"]
+    cells += [f"{1e3 * target:.0f}" if target is not None else "-"]
+    return f"| {' | '.join(cells)} |"
+
+
+def markdown(found: Limits) -> str:
+    """The note."""
+    first = found.growth[0][1]
+    lines = [
+        "# How near the kernels are to what the machine can do",
+        "",
+        "Written by `python -m cable_model limits -o docs/limits.md`.  Nanoseconds per node and Newton iteration, everything of it counted",
+        "in: averages, residual, Jacobian, elimination, new rates.  Times are differences between 401 and 101 nodes, so that the cost of",
+        f"a call drops out, and the shortest of {measuring.REPETITIONS}.  {machine()}.",
+        "",
+        "Operations are counted by running the kernels on numbers that count themselves.  *Work* is their number over the rate at which",
+        f"this core does scalar additions and multiplications that wait for nothing ({found.rates['flops'] / 1e9:.1f} GFlop/s; divisions",
+        "and roots are slower, so it is a lower bound).  *Path* is the longest chain of operations that wait for one another, at the",
+        f"usual latencies and {1e-9 / found.rates['cycle']:.1f} GHz: elimination upwards, then substitution downwards.  No order of the same",
+        "operations is faster than the larger of the two without vectors across nodes.",
+        "",
+        "| chain | flops | divisions + roots | work | path | measured | scalar build | target |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|",
+        *(_row(case, found) for case in found.vector),
+        "",
+        "Divisions are what is left to gain: a lone division costs the divider four cycles, so 15 of them are 60 cycles of the measured",
+        "time.  Vectors help little: the recurrences of the elimination run from node to node, and only averages and assembly could share",
+        "an instruction among nodes.  Arrays of 101 nodes in the plane take 40 kB, so all is in the nearest caches.  Using a factorisation",
+        "again does not pay: with the prediction by rates, one iteration a step is the rule, and a second elimination is rare.",
+        "",
+        "## Growth with the number of nodes",
+        "",
+        "Bare chain, 0.005 s, whole steps with outputs; processor microseconds per simulated second and node, medians of five.",
+        "",
+        "| nodes | us per s and node | to the first | Newton iterations a step |",
+        "|---:|---:|---:|---:|",
+        *(f"| {n} | {1e6 * cost:.1f} | {cost / first:.2f} | {iterations:.2f} |" for n, cost, iterations in found.growth),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write(path: Path, found: Limits) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(markdown(found), encoding="utf-8")
