@@ -40,7 +40,8 @@ class Point:
 
 def measure(scene: Scene, setting: Setting, reference: Reference, repetitions: int = 1) -> Point:
     run = timed(scene, setting, repetitions)
-    return Point(setting, run.seconds / scene.run.duration, reference.errors(run), run.error)
+    simulated = float(run.times[-1]) if len(run.times) > 1 else math.inf
+    return Point(setting, run.seconds / simulated, reference.errors(run), run.error)
 
 
 def all_settings(scene: Scene, quick: bool = False) -> Iterator[Setting]:
