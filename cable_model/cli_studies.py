@@ -109,10 +109,8 @@ def advise(
     console.print(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {len(advice.points)} settings tried")
     for factor in FACTORS:
         priced = price(advice, loaded, factor)
-        if priced is None:
-            console.print("TowCable's error is that of a straight cable: more accuracy needs the chain")
-            break
-        console.print(priced.words)
+        if priced is not None:
+            console.print(priced.words)
     if output is not None:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(to_toml(advice.scene), encoding="utf-8")

@@ -62,7 +62,7 @@ def test_ladders_of_steps_divide_the_output_step_and_go_down_to_a_quarter_of_the
 def test_a_price_of_second_order_takes_the_root_of_the_factor_in_nodes_and_steps():
     scene = advice_scenes.scene(CHAIN)
     coarse = chain_setting(scene, 20, 0.01)
-    fine = finer(scene, coarse, 4.0)
+    fine = finer(coarse, 4.0)
     assert fine.changes["solver.nodes"] == 41 and fine.changes["solver.time_step"] == 0.005
     assert 1.0 < expected(scene, fine) / expected(scene, coarse) < 4.0  # the calls from Python cost the same
 

@@ -30,6 +30,7 @@ class Advice:
     scene: Scene  # with the choice in place
     choice: Point | None
     reference: Reference
+    accuracy: float
     signals: tuple[str, ...]
     checks: tuple[Check, ...]
     left_out: Mapping[str, float]  # effects, and the error that leaving each out made
@@ -124,7 +125,7 @@ def advise(scene: Scene, accuracy: float, signals: tuple[str, ...] = SIGNALS, pr
     told = progress if progress is not None else lambda text: None
     reference = converge(scene, accuracy, signals, progress)
     if not reference.converged:
-        return Advice(scene, None, reference, signals, (), {}, {}, ())
+        return Advice(scene, None, reference, accuracy, signals, (), {}, {}, ())
     lean, left_out, kept = _leave_out(scene, reference, accuracy, signals, told)
     points: list[Point] = []
     if settings.TOW in settings.methods(lean):
@@ -139,4 +140,4 @@ def advise(scene: Scene, accuracy: float, signals: tuple[str, ...] = SIGNALS, pr
     points = _timed_again(lean, points, accuracy, signals, told)
     choice = cheapest(points, accuracy, signals)
     placed = lean if choice is None else with_values(lean, {**choice.setting.changes, "run.model": choice.setting.model})
-    return Advice(placed, choice, reference, signals, tuple(checks), left_out, kept, tuple(points))
+    return Advice(placed, choice, reference, accuracy, signals, tuple(checks), left_out, kept, tuple(points))

@@ -18,6 +18,7 @@ from cable_model.studies.work_precision import Point, all_settings, machine
 ACCURACY = 0.01
 PRUNED = 3.0  # a ladder of the study is left where a run of it takes this many times the choice's time
 AGAIN = 3  # interleaved repetitions, of which medians are compared
+LEAST_PATIENCE = 0.2  # s of processor time that a run of the study may take in any case: short runs are noisy
 RIVALS = 4  # cheapest settings of the study that are compared so
 FACTOR = 10.0  # of accuracy, whose price is checked
 HEAD = ("scene", "choice", "its errors", "cheapest of the study", "ratio", "run", "effects", "straight", "price", "verdict")
@@ -77,10 +78,10 @@ def study(scene: Scene, judge: Judge, ceiling: float, told: Told, quick: bool = 
         count += len(ladder)
         for setting in ladder:
             told(f"study: {setting.method}: {setting.label}")
-            run = timed(scene, setting)
+            run = timed(scene, setting, longest=max(LEAST_PATIENCE, ceiling * scene.run.duration))
             cost = run.seconds / float(run.times[-1]) if not run.error else float("inf")
             points.append(Point(setting, cost, judge.errors(run), run.error))
-            if not run.error and cost > ceiling:
+            if (cost > ceiling and not run.error) or "given up" in run.error:
                 break
     return points, count
 
@@ -140,7 +141,7 @@ def _straight(row: Row) -> str:
 
 def _priced(row: Row) -> str:
     if row.price is None:
-        return "needs the chain"
+        return "-"
     how = "measured by the adviser" if row.price.measured else "expected"
     return f"{row.price.factor:.2g} times for {row.price.dearer:.2g} times the time ({how}); is {row.gain:.2g} for {row.dearer:.2g}"
 

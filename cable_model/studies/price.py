@@ -24,37 +24,37 @@ class Price:
 
     @property
     def words(self) -> str:
-        how = "measured" if self.measured else "expected"
-        return f"{how}: {self.factor:.2g} times the accuracy for {self.dearer:.2g} times the time ({self.setting.label})"
+        how, way = "measured" if self.measured else "expected", f"{self.setting.method}: {self.setting.label}"
+        return f"{how}: {self.factor:.2g} times the accuracy for {self.dearer:.2g} times the time ({way})"
 
 
-def finer(scene: Scene, setting: Setting, factor: float) -> Setting:
+def finer(setting: Setting, factor: float) -> Setting:
     """A chain's fixed step with its error of second order cut by `factor`: sqrt(factor) more cells and steps."""
     c, root = setting.changes, math.sqrt(factor)
     cells = math.ceil((int(str(c["solver.nodes"])) - 1) * root)
-    step = float(str(c["solver.time_step"])) / root
-    if c["solver.tolerance"]:
-        return Setting(
-            setting.method, setting.model, {**c, "solver.nodes": cells + 1, "solver.tolerance": float(str(c["solver.tolerance"])) / factor}
-        )
-    return Setting(setting.method, setting.model, {**c, "solver.nodes": cells + 1, "solver.time_step": step})
+    return Setting(
+        setting.method, setting.model, {**c, "solver.nodes": cells + 1, "solver.time_step": float(str(c["solver.time_step"])) / root}
+    )
 
 
 def price(advice: Advice, scene: Scene, factor: float) -> Price | None:
-    """What `factor` times the accuracy of the choice costs; None where it takes another model: TowCable has its error for good.
+    """What `factor` times the accuracy of the choice costs; None where there is no choice, or no fixed step of the chain to go by.
 
-    `scene` is the one asked about, with all of its effects.
+    `scene` is the one asked about, with all of its effects.  TowCable has its error for good and error control need not be near its
+    tolerance: from both it is the chain's best fixed step that is refined.
     """
-    choice = advice.choice
+    choice, signals = advice.choice, advice.signals
     if choice is None:
         return None
-    wanted = worst(choice.errors, advice.signals) / factor
-    if worst(advice.reference.own_error, advice.signals) <= TRUSTED * wanted:
-        good = cheapest([p for p in advice.points if worst(p.errors, advice.signals) <= wanted], math.inf, advice.signals)
+    wanted = worst(choice.errors, signals) / factor
+    if worst(advice.reference.own_error, signals) <= TRUSTED * wanted:
+        good = cheapest([p for p in advice.points if worst(p.errors, signals) <= wanted], math.inf, signals)
         if good is not None:
-            gain = worst(choice.errors, advice.signals) / worst(good.errors, advice.signals)
-            return Price(gain, good.cost / choice.cost, good.setting, True)
-    if choice.setting.model == "tow":
+            return Price(worst(choice.errors, signals) / worst(good.errors, signals), good.cost / choice.cost, good.setting, True)
+    fixed = [p for p in advice.points if p.setting.model == "chain" and not p.setting.changes["solver.tolerance"]]
+    base = choice if choice in fixed else cheapest(fixed, advice.accuracy, signals)
+    if base is None:
         return None
-    setting = finer(scene, choice.setting, factor)
-    return Price(factor, expected(scene, setting) / expected(scene, choice.setting), setting, False)
+    setting = finer(base.setting, max(1.0, worst(base.errors, signals) / wanted))
+    dearer = expected(scene, setting) / expected(scene, base.setting) * base.cost / choice.cost
+    return Price(factor, dearer, setting, False)

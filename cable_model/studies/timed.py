@@ -63,11 +63,11 @@ class Scale:
         return cls(max(float(run.tension.std()), 1e-3 * float(np.abs(run.tension).max())), max(motion, 1e-3 * length))
 
 
-def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1) -> Timed:
+def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1, longest: float = math.inf) -> Timed:
     """Run a scene at a setting; sampled at its output step, which no internal step exceeds.
 
     The processor time is the least of the repetitions, of the steps alone, without what the kernels' compilation takes.
-    A run that fails returns what it reached.
+    A run that fails, or takes more than `longest` s of it, returns what it reached.
     """
     model_name = setting.model if setting is not None else scene.run.model
     try:
@@ -95,6 +95,8 @@ def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1) ->
                 model.advance(k * step, step, start, end)
                 rows[k + 1] = model.outputs
                 reached = k + 1
+                if clock.process_time() - begun > longest:
+                    raise SolverError(f"given up at {reached * step:.3g} s of simulated time: it takes more than {longest:.3g} s")
             best = min(best, clock.process_time() - begun)
         except SolverError as failure:
             error = str(failure)
