@@ -38,7 +38,7 @@ SCENES: Mapping[str, tuple[str, Mapping[str, object]]] = {
         "cable.bending_stiffness": 0.02, "top.motion": [_sinusoid("x", 0.06, 3.2)], "run.duration": 9.6,
     }),
     "mooring chain on a seabed": ("basin_chain", {
-        "top.motion": [_sinusoid("x", 0.12, 3.0, 0.5 * math.pi, 6.0), _sinusoid("z", 0.08, 3.0, math.pi, 6.0)], "run.duration": 14.0,
+        "top.motion": [_sinusoid("x", 0.08, 2.2, 0.5 * math.pi, 5.0), _sinusoid("z", 0.1, 2.2, math.pi, 5.0)], "run.duration": 12.6,
     }),
     "bungee with a body": ("hard/bungee", {
         "lower_end.anchored": False, "lower_end.released": False, "lower_end.z": 0.0, "cable.axial_stiffness": 600.0, "body.mass": 8.0,

@@ -1,4 +1,4 @@
-"""What further accuracy costs: measured where a search met it, else by the second order of the methods in nodes and step."""
+"""What further accuracy costs: measured where a search met it, else by the order that the reference's refinements show."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TRUSTED = 0.3  # share of an error that the reference's own may be for the error
 
 @dataclass(frozen=True)
 class Price:
-    """Times the time for times the accuracy, with the setting that has it; `measured`, or expected by second order."""
+    """Times the time for times the accuracy, with the setting that has it; `measured`, or expected by the order of the refinements."""
 
     factor: float
     dearer: float
@@ -28,9 +28,9 @@ class Price:
         return f"{how}: {self.factor:.2g} times the accuracy for {self.dearer:.2g} times the time ({way})"
 
 
-def finer(setting: Setting, factor: float) -> Setting:
-    """A chain's fixed step with its error of second order cut by `factor`: sqrt(factor) more cells and steps."""
-    c, root = setting.changes, math.sqrt(factor)
+def finer(setting: Setting, factor: float, order: float = 2.0) -> Setting:
+    """A chain's fixed step with its error of an order cut by `factor`: at second order sqrt(factor) more cells and steps."""
+    c, root = setting.changes, factor ** (1.0 / order)
     cells = math.ceil((int(str(c["solver.nodes"])) - 1) * root)
     return Setting(
         setting.method, setting.model, {**c, "solver.nodes": cells + 1, "solver.time_step": float(str(c["solver.time_step"])) / root}
@@ -55,6 +55,6 @@ def price(advice: Advice, scene: Scene, factor: float) -> Price | None:
     base = choice if choice in fixed else cheapest(fixed, advice.accuracy, signals)
     if base is None:
         return None
-    setting = finer(base.setting, max(1.0, worst(base.errors, signals) / wanted))
+    setting = finer(base.setting, max(1.0, worst(base.errors, signals) / wanted), advice.reference.order(signals))
     dearer = expected(scene, setting) / expected(scene, base.setting) * base.cost / choice.cost
     return Price(factor, dearer, setting, False)

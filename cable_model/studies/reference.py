@@ -34,6 +34,11 @@ class Reference:
     own_error: dict[str, float]
     converged: bool
 
+    def order(self, signals: tuple[str, ...]) -> float:
+        """Of the refinements, as the last two changes show it: 2 where the motion is smooth, less with contact; 2 at most."""
+        before, last = (worst(level.change, signals) for level in self.levels[-2:])
+        return max(0.5, min(2.0, math.log2(before / last))) if 0.0 < last < before else 2.0
+
     def errors(self, run: Timed) -> dict[str, float]:
         return errors(run, self.run, self.scale)
 
