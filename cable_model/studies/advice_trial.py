@@ -108,17 +108,15 @@ def trial(name: str, scene: Scene, told: Told, quick: bool = False) -> Row:
     points, count = study(scene, judge, PRUNED * advice.choice.cost, told, quick)
     good = sorted((p for p in points if worst(p.errors) <= ACCURACY), key=lambda p: p.cost)[:RIVALS]
     told("the cheapest ones again")
-    choice_cost, *costs = _medians([(advice.scene, None), *((scene, p.setting) for p in good)])
+    priced = price(advice, scene, FACTOR)
+    again: list[tuple[Scene, Setting | None]] = [(advice.scene, None), *((scene, p.setting) for p in good)]
+    choice_cost, *costs = _medians(again if priced is None else [*again, (scene, priced.setting)])
+    gain = dearer = float("nan")
+    if priced is not None:
+        gain, dearer = worst(own) / worst(judge.errors(timed(scene, priced.setting))), costs.pop() / choice_cost
     best = min(range(len(good)), key=costs.__getitem__, default=None)
     tow = [p.errors for p in points if p.setting.method == settings.TOW]
     straight = min(tow, key=worst) if tow else {}
-    priced = price(advice, scene, FACTOR)
-    gain = dearer = float("nan")
-    if priced is not None:
-        told("price")
-        finer = timed(scene, priced.setting)
-        gain = worst(own) / worst(judge.errors(finer))
-        dearer = finer.seconds / float(finer.times[-1]) / choice_cost
     cheapest = None if best is None else Point(good[best].setting, costs[best], good[best].errors, "")
     ratio = float("inf") if best is None else choice_cost / costs[best]
     return Row(name, scene, advice, own, cheapest, ratio, len(points), count, straight, priced, gain, dearer)
