@@ -11,9 +11,13 @@ CALL = 150.0  # a call from Python and its outputs, measured: some 25 us, where 
 STEP = 10.0  # what a step costs whatever the number of nodes
 
 
-def expected(scene: Scene, setting: Setting) -> float:
-    """Cost of a run, in steps of one node on smooth motion; comparable between settings of one scene only."""
+def work(scene: Scene, setting: Setting) -> float:
+    """Of the steps of a run alone, in steps of one node."""
     changed = with_values(scene, setting.changes)
     every = scene.run.output_step
-    steps_a_call = math.ceil(every / changed.solver.time_step - 1e-9)
-    return scene.run.duration / every * (CALL + steps_a_call * (STEP + changed.solver.nodes))
+    return scene.run.duration / every * math.ceil(every / changed.solver.time_step - 1e-9) * (STEP + changed.solver.nodes)
+
+
+def expected(scene: Scene, setting: Setting) -> float:
+    """Cost of a run, in steps of one node on smooth motion; comparable between settings of one scene only."""
+    return scene.run.duration / scene.run.output_step * CALL + work(scene, setting)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cable_model.scene import Scene
 from cable_model.studies.advice import Advice, cheapest
-from cable_model.studies.cost import expected
+from cable_model.studies.cost import work
 from cable_model.studies.timed import Setting, worst
 
 TRUSTED = 0.3  # share of an error that the reference's own may be for the error to count as measured
@@ -56,5 +56,7 @@ def price(advice: Advice, scene: Scene, factor: float) -> Price | None:
     if base is None:
         return None
     setting = finer(base.setting, max(1.0, worst(base.errors, signals) / wanted), advice.reference.order(signals))
-    dearer = expected(scene, setting) / expected(scene, base.setting) * base.cost / choice.cost
-    return Price(factor, dearer, setting, False)
+    finest = advice.reference.levels[-1]  # so fine that calls cost next to nothing: it tells what this scene's effects cost a node
+    each = finest.run.seconds / work(scene, finest.setting) / scene.run.duration
+    more = each * (work(scene, setting) - work(scene, base.setting))
+    return Price(factor, (base.cost + more) / choice.cost, setting, False)
