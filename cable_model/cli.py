@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise, sweep and peers of cli_studies."""
+"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise, advise-trial, sweep and peers of cli_studies."""
 
 from __future__ import annotations
 
@@ -275,6 +275,7 @@ def hard(
 
 for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers, cli_studies.limits):
     app.command()(command)
+app.command("advise-trial")(cli_studies.advise_trial)
 
 
 def main() -> None:

@@ -14,9 +14,10 @@ from rich.table import Table
 
 from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.scene import load, to_toml
-from cable_model.studies.timed import SIGNALS
+from cable_model.studies.timed import SIGNALS, worst
 
 console = Console()
+FACTORS = (3.0, 10.0)  # of further accuracy, whose prices are told
 
 
 class Of(StrEnum):
@@ -75,11 +76,13 @@ def advise(
 ) -> None:
     """Find the cheapest model, effects, nodes and step that meet an accuracy, by measured refinement."""
     from cable_model.studies import advice as found
+    from cable_model.studies.price import price
 
     wanted = fraction(accuracy)
+    loaded = load(scene)
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("reference", total=None)
-        advice = found.advise(load(scene), wanted, of.signals, lambda text: bar.update(task, description=text))
+        advice = found.advise(loaded, wanted, of.signals, lambda text: bar.update(task, description=text))
     if not advice.reference.converged:
         changes = ", ".join(f"{name} {value:.2g}" for name, value in advice.reference.own_error.items())
         raise ParameterError(
@@ -88,22 +91,59 @@ def advise(
         )
     for check in advice.checks:
         console.print(f"straight cable: {'[green]yes[/green]' if check.holds else '[red]no[/red]'}  {check.words}")
+    straight = [worst(p.errors, of.signals) for p in advice.points if p.setting.model == "tow"]
+    if straight:
+        console.print(f"straight cable: its measured error is {min(straight):.1e}, and that decides")
     for name, error in advice.left_out.items():
         console.print(f"left out: {name} (changes the answer by {error:.1e})")
     for name, error in advice.kept.items():
         console.print(f"kept: {name} (without it the error is {error:.1e})")
     sure = ", ".join(f"{name} {value:.1e}" for name, value in advice.reference.own_error.items())
     if advice.choice is None:
-        raise ParameterError(f"{scene}: none of {advice.tried} settings reaches {accuracy}. Refine the scene's solver.nodes and time_step.")
+        raise ParameterError(
+            f"{scene}: none of {len(advice.points)} settings reaches {accuracy}. Refine the scene's solver.nodes and time_step."
+        )
     choice = advice.choice
     shown = ", ".join(f"{name} {value:.1e}" for name, value in choice.errors.items())
     console.print(f"[bold]{choice.setting.method}: {choice.setting.label}[/bold]: {choice.cost:.2g} CPU s per simulated s")
-    console.print(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {advice.tried} settings tried")
-    console.print(found.price(advice))
+    console.print(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {len(advice.points)} settings tried")
+    for factor in FACTORS:
+        priced = price(advice, loaded, factor)
+        if priced is not None:
+            console.print(priced.words)
     if output is not None:
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(to_toml(advice.scene), encoding="utf-8")
         console.print(f"wrote {output}")
+
+
+def advise_trial(
+    scene: Annotated[list[str] | None, typer.Option(help="scenes of the trial by their names; default: all")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="few settings of the study")] = False,
+) -> None:
+    """Try the adviser on ten scenes that it was not made with: accuracy against a finer run, cost against the full study."""
+    from cable_model.studies import advice_scenes, advice_trial
+
+    names = scene or list(advice_scenes.SCENES)
+    for name in names:
+        if name not in advice_scenes.SCENES:
+            raise unknown(name, advice_scenes.SCENES, "scene of the trial")
+    rows = []
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("trial", total=len(names))
+        for name in names:
+            told = lambda text, name=name: bar.update(task, description=f"{name}: {text}")  # noqa: E731
+            rows.append(advice_trial.trial(name, advice_scenes.scene(name), told, quick))
+            bar.update(task, advance=1)
+            bar.console.print(" | ".join(advice_trial.cells(rows[-1])), highlight=False)
+    text = advice_trial.markdown(rows)
+    if output is not None:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(text, encoding="utf-8")
+        console.print(f"wrote {output}")
+    if not all(row.accurate and row.cheap for row in rows):
+        raise typer.Exit(1)
 
 
 def sweep(

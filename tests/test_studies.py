@@ -41,6 +41,24 @@ def test_the_reference_is_as_good_as_it_says(converged):
         assert true[signal] == pytest.approx(converged.own_error[signal], rel=0.5)
 
 
+@pytest.mark.parametrize(
+    ("before", "last", "share"), [(4.0, 1.0, 1.0 / 3.0), (2.0, 1.0, 1.0), (16.0, 1.0, 1.0 / 3.0), (1.0, 0.9, math.inf)]
+)
+def test_what_is_left_after_the_last_change_follows_from_how_the_changes_fall(before, last, share):
+    assert reference.remaining(before, last) == pytest.approx(share)
+
+
+def test_a_run_that_takes_too_long_is_given_up():
+    run = timed.timed(SWAY, longest=0.0)
+    assert "given up" in run.error and len(run.times) == 2
+
+
+def test_vertical_motion_of_the_top_is_no_lateral_forcing():
+    heave = with_values(SWAY, {"top.motion": [{"kind": "sinusoid", "axis": "z", "amplitude": 0.01, "angular_frequency": 5.0}]})
+    assert validity.forcing(heave, "xy") == [] and validity.forcing(heave) == [5.0]
+    assert validity.penetration(heave, 1.0) == math.inf
+
+
 def test_a_chaotic_scene_has_no_reference():
     violent = with_values(load("hard/collapse"), {"run.duration": 6.0, "solver.nodes": 26, "solver.time_step": 0.01})
     assert not reference.converge(violent, 0.01).converged
@@ -106,7 +124,8 @@ def test_advise_writes_the_scene_and_says_how_sure_it_is(tmp_path):
 
 def test_scales_rule_the_straight_cable_out():
     deep = with_values(load("towed_body"), {"cable.length": 4000.0})
-    assert validity.penetration(deep, 6000.0) < validity.SHALLOW
+    assert validity.penetration(deep, 6000.0) < 0.05
+    assert not next(check for check in validity.straight_enough(deep) if "penetrates" in check.words).holds
     anchored = load("basin_chain")
     assert not validity.straight_enough(anchored)[0].holds
     assert settings.TOW not in settings.methods(anchored)

@@ -33,10 +33,11 @@ def cells_ladder(scene: Scene, quick: bool = False) -> list[int]:
 
 
 def steps_ladder(scene: Scene, quick: bool = False) -> list[float]:
-    """From eight times the scene's step to a quarter of it."""
-    factors = (4.0, 1.0) if quick else (16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25)
-    steps = [scene.solver.time_step * factor for factor in factors]
-    return [step for step in steps if step <= 0.1 * scene.run.duration]
+    """From the output step, which no internal step exceeds, by halves to a quarter of the scene's step."""
+    steps = [scene.run.output_step]
+    while steps[-1] >= scene.solver.time_step * (0.5 - 1e-9):
+        steps.append(0.5 * steps[-1])
+    return steps[::2] if quick else steps
 
 
 def allowed(scene: Scene, setting: Setting) -> bool:

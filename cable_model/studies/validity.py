@@ -1,16 +1,20 @@
-"""Whether a straight cable may stand for the scene, by its scales: drag penetration, resonance, slack; it runs TowCable alone."""
+"""Whether a straight cable may stand for the scene, by its scales: drag, bow, bending, resonance, slack; it runs TowCable alone."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from cable_model.motion import top_motion
 from cable_model.scene import Scene, parts_of
 from cable_model.studies.settings import TOW, allowed
 from cable_model.studies.timed import Setting, timed
 
-SHALLOW = 0.4  # penetration depth over the length below which a straight cable says nothing about lateral motion
 RESONANT = 3.0  # forcing nearer to the first axial frequency than this factor
+BOW = 2.0  # a bow of so many times the accuracy still moves the ends, which the cable is asked about, by less than the accuracy
+SAMPLES = 500  # of the top's motion
 
 
 @dataclass(frozen=True)
@@ -21,29 +25,51 @@ class Check:
     holds: bool
 
 
-def forcing(scene: Scene) -> list[float]:
-    """Angular frequencies of top and waves, rad/s."""
-    found = [part.angular_frequency for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0]
+def forcing(scene: Scene, axes: str = "xyz") -> list[float]:
+    """Angular frequencies of the top along some axes, and of waves, rad/s."""
+    moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
+    found = [part.angular_frequency for part in moving]
     waves = parts_of(scene, "chain").waves
-    if waves is not None:
+    if isinstance(waves, np.ndarray):
         found += [float(row[1]) for row in waves]
     return [omega for omega in found if omega > 0.0]
+
+
+def lateral_motion(scene: Scene) -> tuple[float, float, float]:
+    """Of the top's horizontal motion: amplitude of the unsteady velocity, its angular frequency, and the steady speed through the water."""
+    motion = top_motion(scene.top, scene.winch)
+    rows = np.array([motion(t) for t in np.linspace(0.0, scene.run.duration, SAMPLES)])
+    mean = rows[:, 3:5].mean(axis=0)
+    unsteady = math.sqrt(2.0 * float(np.mean(np.sum((rows[:, 3:5] - mean) ** 2, axis=1))))
+    acceleration = math.sqrt(2.0 * float(np.mean(np.sum(rows[:, 6:8] ** 2, axis=1))))
+    current = parts_of(scene, "chain").current
+    stream = np.asarray(current)[:, 1:].mean(axis=0) if current is not None else np.zeros(2)
+    return unsteady, acceleration / unsteady if unsteady > 0.0 else 0.0, float(np.linalg.norm(mean - stream))
+
+
+def _drag(scene: Scene, speed: float) -> float:
+    """Normal drag per length over the speed, N s/m2."""
+    if scene.water is None:
+        return 0.0
+    return 0.5 * scene.water.density * scene.cable.normal_drag_coefficient * scene.cable.diameter * speed
 
 
 def penetration(scene: Scene, tension: float) -> float:
     """Depth over the length to which lateral motion of the top reaches before drag stops it: sqrt(2 T/(c omega))/L; infinite without drag.
 
-    c is the linearised drag 8/(3 pi) 1/2 rho C_D d v of the top's lateral velocity v.
+    c is the linearised drag 1/2 rho C_D d of 8/(3 pi) v of the top's lateral velocity v, or of twice a steady speed if that is more.
     """
-    speeds = [abs(m.amplitude) * m.angular_frequency for m in scene.top.motion if m.kind == "sinusoid" and m.axis != "z"]
-    speed = max(speeds, default=0.0)
-    if scene.water is None or speed == 0.0:
-        return math.inf
-    omega = max(m.angular_frequency for m in scene.top.motion if m.kind == "sinusoid" and m.axis != "z" and m.amplitude != 0.0)
-    drag = 8.0 / (3.0 * math.pi) * 0.5 * scene.water.density * scene.cable.normal_drag_coefficient * scene.cable.diameter * speed
-    if drag == 0.0:
+    unsteady, omega, steady = lateral_motion(scene)
+    drag = _drag(scene, max(8.0 / (3.0 * math.pi) * unsteady, 2.0 * steady))
+    if drag * omega == 0.0:
         return math.inf
     return math.sqrt(2.0 * tension / (drag * omega)) / scene.cable.length
+
+
+def steady_bow(scene: Scene, tension: float) -> float:
+    """Sag over the length of a cable under the drag of the steady speed: q L/(8 T)."""
+    steady = lateral_motion(scene)[2]
+    return _drag(scene, steady) * steady * scene.cable.length / (8.0 * tension)
 
 
 def axial_frequency(scene: Scene) -> float:
@@ -58,22 +84,29 @@ def lateral_frequency(scene: Scene, tension: float) -> float:
     return math.pi / scene.cable.length * math.sqrt(tension / scene.cable.mass_per_length)
 
 
-def straight_enough(scene: Scene) -> list[Check]:
-    """The checks that rule TowCable out at once, each with its number."""
+def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:
+    """The checks that speak for or against TowCable to an accuracy, each with its number and limit.
+
+    Motion that drag or inertia damps within the cable bows it, by (L/depth)^2/4 and (omega/omega_1)^2 pi^2/8 of the top's motion; the
+    tension is taken constant along the cable.
+    """
     if not allowed(scene, Setting(TOW, "tow", {})):
         return [Check("the scene has what TowCable lacks (anchor, seabed, winch or table of the stiffness)", False)]
     run = timed(scene, Setting(TOW, "tow", {"solver.grid": "staggered", "solver.tolerance": 1e-4, "cable.inextensible": False}))
     if run.error:
         return [Check(f"TowCable stops: {run.error}", False)]
     tension = max(float(run.tension.mean()), 1e-9)
-    depth = penetration(scene, tension)
+    limit = BOW * accuracy
+    depth, deep = penetration(scene, tension), 0.5 / math.sqrt(limit)
+    bow = steady_bow(scene, tension)
     omegas = forcing(scene)
     axial, lateral = axial_frequency(scene), lateral_frequency(scene, tension)
     apart = min((max(axial / w, w / axial) for w in omegas), default=math.inf)
-    below = max(omegas, default=0.0)
+    highest, slow = max(forcing(scene, "xy"), default=0.0), lateral * math.sqrt(8.0 * limit) / math.pi
     return [
-        Check(f"drag penetrates {depth:.2g} lengths (at least {SHALLOW})", depth >= SHALLOW),
+        Check(f"drag penetrates {depth:.2g} lengths (at least {deep:.2g})", depth >= deep),
+        Check(f"steady drag bows the cable by {bow:.2g} of its length (at most {limit:.2g})", bow <= limit),
         Check(f"nearest forcing is {apart:.3g} times off the axial frequency {axial:.3g} rad/s (at least {RESONANT:g})", apart >= RESONANT),
-        Check(f"forcing up to {below:.3g} rad/s, the cable bends from {lateral:.3g} rad/s on", below < lateral),
+        Check(f"lateral forcing up to {highest:.3g} rad/s (at most {slow:.3g}; the cable bends at {lateral:.3g})", highest <= slow),
         Check(f"least tension {run.tension.min():.3g} N of a mean of {tension:.3g} N: not slack", bool(run.tension.min() > 0.02 * tension)),
     ]

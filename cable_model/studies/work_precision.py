@@ -21,6 +21,7 @@ from cable_model.studies.reference import Reference, converge
 from cable_model.studies.timed import SIGNALS, Setting, timed
 
 TARGET = 1e-3  # accuracy that the reference must be good for
+PATIENCE = 3.0  # times the finest reference's processor time that a run may take
 HEAD = (
     "method", "model", "nodes", "time_step_s", "tolerance", "lambda_infinity", "grid", "grading", "cpu_s_per_s",
     "error_tension", "error_position", "stopped",
@@ -39,8 +40,10 @@ class Point:
 
 
 def measure(scene: Scene, setting: Setting, reference: Reference, repetitions: int = 1) -> Point:
-    run = timed(scene, setting, repetitions)
-    return Point(setting, run.seconds / scene.run.duration, reference.errors(run), run.error)
+    """A point of a setting; a run that takes much longer than the reference, as where steps collapse, is given up."""
+    run = timed(scene, setting, repetitions, max(1.0, PATIENCE * reference.run.seconds))
+    simulated = float(run.times[-1]) if len(run.times) > 1 else math.inf
+    return Point(setting, run.seconds / simulated, reference.errors(run), run.error)
 
 
 def all_settings(scene: Scene, quick: bool = False) -> Iterator[Setting]:
