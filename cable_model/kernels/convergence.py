@@ -8,7 +8,14 @@ from cable_model.kernels.jit import kernel
 
 SAFETY = 10.0  # on the contraction of an earlier step
 FADING = 1.3  # by which it is taken for worse with every step that did not measure it
+ROUGH = 0.01  # contraction from which on motion is not smooth
 LEAST_CONTRACTION = 1e-9  # below it, what is measured is rounding
+
+
+@kernel
+def is_rough(contraction):
+    """Whether Newton's method found the last steps hard: snaps and whips, where the past does not tell what comes."""
+    return contraction[0] > ROUGH
 
 
 @kernel

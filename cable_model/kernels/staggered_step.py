@@ -7,7 +7,7 @@ rows n ... 2n-1 the node velocities.  Every public function has a twin of the sa
 from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
-from cable_model.kernels.convergence import has_converged
+from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
@@ -131,6 +131,9 @@ def newton_step(
     moved = to_position * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, moved, 1.0, h, winding)
     ahead = 0.5 * h - (c.alpha_m - c.alpha_k) * h  # yd0 belongs to (alpha_m - alpha_k) h after the start
+    if is_rough(contraction):  # rates of rates, and of tensions, mislead there
+        ahead = 0.0
+        reach = 0.0
     for i in range(n - 1):
         rate = axpy(ahead, load(ydd, n + i, like), load(yd0, n + i, like))
         store(y1, n + i, axpy(h, rate, load(y0, n + i, like)))
