@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from cable_model import cli_studies
+from cable_model import cli_docs, cli_studies
 from cable_model.comparison import Difference, compare
 from cable_model.effects import effects, unknowns_per_node
 from cable_model.errors import ParameterError, SolverError, unknown
@@ -211,14 +211,19 @@ def check(
 def bench(
     repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown too")] = None,
+    case: Annotated[list[str] | None, typer.Option(help="rows by their names, the first one is the measure; default: all")] = None,
 ) -> None:
     """Measure what each effect costs on this machine, switched on alone."""
-    from cable_model.benchmark import markdown, measure
+    from cable_model.benchmark import CASES, markdown, measure
+
+    for name in case or []:
+        if name not in CASES:
+            raise unknown(name, CASES, "case")
 
     table = Table(title="Cost of the chain's kernels, forced chain of 101 nodes")
-    for column in ("effects", "us per node and iteration", "iterations per step", "ratio to the bare chain"):
+    for column in ("effects", "us per node and step", "iterations per step", "ratio to the bare chain"):
         table.add_column(column, justify="left" if column == "effects" else "right")
-    costs = measure(repetitions=repetitions)
+    costs = measure(case, repetitions)
     for cost in costs:
         table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
     console.print(table)
@@ -276,6 +281,7 @@ def hard(
 for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers, cli_studies.limits):
     app.command()(command)
 app.command("advise-trial")(cli_studies.advise_trial)
+app.command()(cli_docs.docs)
 
 
 def main() -> None:

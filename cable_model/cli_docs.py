@@ -1,0 +1,91 @@
+"""The command that writes every generated figure and table of docs/ again, by the commands that write each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from cable_model import cli_studies
+from cable_model.errors import ParameterError, SolverError, unknown
+
+console = Console()
+PICTURED = ("dale_sphere", "hanging_chain", "towed_body")
+QUICK_PEER = "C3 sphere, EA 22 N"
+
+
+def _pictures(folder: Path, quick: bool) -> None:
+    from cable_model.cli import Choice, plot
+
+    for scene in PICTURED[: 1 if quick else None]:
+        plot(scene, folder / f"{scene}.png", Choice.both)
+
+
+def _effects(folder: Path, quick: bool) -> None:
+    from cable_model.cli import bench
+
+    bench(1 if quick else 15, folder / "cost_of_effects.md", ["bare chain", "bending"] if quick else None)
+
+
+def _limits(folder: Path, quick: bool) -> None:
+    cli_studies.limits(folder / "limits.md", quick)
+
+
+def _study(folder: Path, quick: bool) -> None:
+    cli_studies.study("hanging_chain", folder / "studies", quick)
+
+
+def _advice(folder: Path, quick: bool) -> None:
+    cli_studies.advise_trial(["heavy sphere, slow"] if quick else None, folder / "studies" / "advice.md", quick)
+
+
+def _published(folder: Path, quick: bool) -> None:
+    cli_studies.published(None, folder / "published", quick)
+
+
+def _peers(folder: Path, quick: bool) -> None:
+    for package in ("moordyn", "cabledyn"):
+        if find_spec(package) is None:
+            raise ParameterError(f"{package}: not installed. Install it with pip install 'cable-fmu[peers]'.")
+    cli_studies.peers([QUICK_PEER] if quick else None, folder / "peers.md")
+
+
+def _hard(folder: Path, quick: bool) -> None:
+    from cable_model.cli import hard
+
+    hard(["H7"] if quick else None, folder / "hard", 2)
+
+
+WRITERS: Mapping[str, Callable[[Path, bool], None]] = {
+    "pictures": _pictures, "effects": _effects, "limits": _limits, "study": _study, "advice": _advice, "published": _published,
+    "peers": _peers, "hard": _hard,
+}  # fmt: skip
+
+
+def docs(
+    only: Annotated[list[str] | None, typer.Option(help=f"parts by their names: {', '.join(WRITERS)}; default: all")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder to write to")] = Path("docs"),
+    quick: Annotated[bool, typer.Option("--quick", help="the smallest of each, to see that it runs")] = False,
+) -> None:
+    """Write the generated figures and tables of docs/ again; what fails is named at the end, and the rest is written."""
+    for name in only or []:
+        if name not in WRITERS:
+            raise unknown(name, WRITERS, "part")
+    failed = []
+    for name in only or WRITERS:
+        console.rule(name)
+        try:
+            WRITERS[name](output, quick)
+        except (ParameterError, SolverError) as error:
+            failed.append(f"{name}: {error}")
+        except typer.Exit as ended:
+            if ended.exit_code:
+                failed.append(f"{name}: ended with status {ended.exit_code}")
+    for line in failed:
+        console.print(f"[bold red]not written or not passed:[/bold red] {line}")
+    if failed:
+        raise typer.Exit(1)
