@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise, sweep and peers of cli_studies."""
+"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise, sweep, published and peers of cli_studies."""
 
 from __future__ import annotations
 
@@ -273,7 +273,7 @@ def hard(
         raise typer.Exit(1)
 
 
-for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers):
+for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.published, cli_studies.peers):
     app.command()(command)
 
 
