@@ -93,3 +93,11 @@ def test_an_unknown_study_is_named_with_what_there_is(tmp_path):
 
 def test_a_markdown_table_has_a_rule_under_its_head():
     assert page.markdown([("a", "b"), ("x", 1.5)]).splitlines() == ["| a | b |", "|---|---:|", "| x | 1.5 |"]
+
+
+def test_the_first_mode_does_not_hide_the_twentieth_in_the_spectrum():
+    times = np.arange(8001) / free_release.RATE
+    series = modes.beam_series(20, 1e-6)
+    without = modes.Series(series.frequencies, np.append(series.amplitudes[:-1], 0.0))
+    ratio = free_release.peaks(without.tip(times), series.frequencies)[-1] / free_release.peaks(series.tip(times), series.frequencies)[-1]
+    assert ratio < 0.1

@@ -18,7 +18,7 @@ NAME = "figures_3_to_5_free_chain"
 MODES = 20
 RATE = 20.0  # Hz
 WINDOW = 256  # samples, not overlapping
-MOST_WORK = 3.0  # times the steps asked for, before a run is given up
+MOST_WORK = 1.5  # times the steps asked for, before a run is given up
 SIX: Mapping[str, Mapping[str, object]] = {
     "box method": {"solver.lambda_infinity": -1.0},
     "trapezoidal rule": {"solver.integrator": "trapezoidal"},
@@ -48,9 +48,13 @@ class Spectra:
 
 
 def power(tip: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angular frequencies and mean power spectrum of windows that do not overlap."""
+    """Angular frequencies and mean power spectrum of windows that do not overlap.
+
+    Each is weighted by Hann's function: unweighted, the first mode leaks over all from about the tenth on, and every run would agree there.
+    """
+    hann = np.hanning(WINDOW)
     windows = tip[: len(tip) // WINDOW * WINDOW].reshape(-1, WINDOW)
-    spectrum = np.mean(np.abs(np.fft.rfft(windows - windows.mean(), axis=1)) ** 2, axis=0) / (RATE * WINDOW)
+    spectrum = np.mean(np.abs(np.fft.rfft(hann * (windows - windows.mean()), axis=1)) ** 2, axis=0) / (RATE * np.sum(hann**2))
     return 2.0 * np.pi * np.fft.rfftfreq(WINDOW, 1.0 / RATE), spectrum
 
 
@@ -124,13 +128,20 @@ def kept(found: Spectra, key: Key, within: float = 2.0) -> int:
     return int(np.argmax(wrong)) if wrong.any() else len(ratio)
 
 
+def _told(found: Spectra, key: Key) -> str:
+    return "given up" if np.isnan(found.of_runs[key]).all() else str(kept(found, key))
+
+
 def _panel(axis: plt.Axes, found: Spectra, keys: list[Key], label: Callable[[Key], str], title: str) -> None:
     axis.plot(
         found.beam.frequencies, found.of_beam, "o-", color="black", markerfacecolor="none", markersize=7, linewidth=0.6, label="modes"
     )
-    for k, key in enumerate(keys):
-        axis.plot(found.beam.frequencies, found.of_runs[key], "xv+sd^"[k % 6], color=f"C{k}", markersize=5, label=label(key))
-    axis.set(yscale="log", ylim=(1e-9 * found.of_beam[0], 5.0 * found.of_beam[0]), title=title, xlabel="frequency [rad/s]")
+    single = len({key[1] for key in keys}) == 1
+    for i, key in enumerate(keys):
+        k = i if single else list(SIX).index(key[1])  # a member looks the same in every panel
+        words = label(key) + (" (given up)" if np.isnan(found.of_runs[key]).all() else "")
+        axis.plot(found.beam.frequencies, found.of_runs[key], "xv+sd^*"[k], color=f"C{k}", markersize=5, label=words)
+    axis.set(yscale="log", ylim=(1e-3 * found.of_beam.min(), 5.0 * found.of_beam[0]), title=title, xlabel="frequency [rad/s]")
     axis.grid(alpha=0.3)
     axis.legend(fontsize=7)
 
@@ -150,11 +161,11 @@ def page(found: Spectra) -> Page:
     panels[0][0].set_ylabel("peak of the tip's power spectrum [m2/Hz]")
     best = found.accurate_run
     apart = np.abs(found.accurate[0] / found.beam.frequencies[:5] - 1.0).max()
-    modes = "; ".join(f"{title}: " + ", ".join(f"{key[1]} {kept(found, key)}" for key in keys) for title, keys in sixes.items())
-    nodes = ", ".join(f"{key[0]} {key[2]} nodes {kept(found, key)}" for key in finer)
+    modes = "; ".join(f"{title}: " + ", ".join(f"{key[1]} {_told(found, key)}" for key in keys) for title, keys in sixes.items())
+    nodes = ", ".join(f"{key[0]} {key[2]} nodes {_told(found, key)}" for key in finer)
     caption = (
-        f"[Gobat 2002, figures 3-5]: peaks of the tip's power spectrum (windows of {WINDOW} samples at {RATE:g} Hz) against the series of "
-        f"the first {MODES} modes with bending.  Modes from the first on within a factor of 2 of the series: {modes}.  "
+        f"[Gobat 2002, figures 3-5]: peaks of the tip's power spectrum (Hann windows of {WINDOW} samples at {RATE:g} Hz) against the "
+        f"series of the first {MODES} modes with bending.  Modes from the first on within a factor of 2 of the series: {modes}.  "
         + (f"Finer, lambda -0.5: {nodes}.  " if finer else "")
         + f"{best[0].capitalize()}, {best[1]}, {best[2]} nodes, dt {best[3]:g} s: first five frequencies within {apart:.1e} of the beam's."
     )

@@ -142,16 +142,14 @@ def _caption(found: list[Line]) -> str:
     def spread(signal: str) -> str:
         lines = [each for each in found if signal in CASES[each.case].signals]
         ratios, slopes = [each.ratio(signal) for each in lines], [each.slope(signal) for each in lines]
-        return (
-            f"{min(ratios):.2g} to {max(ratios):.2g} times the tolerance (slopes {np.nanmin(slopes):.2f} to {np.nanmax(slopes):.2f}; "
-            f"followed over its whole range, the slope is 1)"
-        )
+        between = f"{min(ratios):.2g} to {max(ratios):.2g} times the tolerance"
+        return f"{between} (slopes {np.nanmin(slopes):.2f} to {np.nanmax(slopes):.2f})"
 
     lost = sum(not math.isfinite(p.errors["position"]) for each in found for p in each.points)
     return (
         f"Error against a fixed step far finer on the same grid: of the position {spread('position')}, of the tension {spread('tension')}; "
-        f"geometric means where the tolerance, not the communication step, rules the steps, and where the error is more than {MARGIN:g} "
-        f"times the reference's own.  {lost} of {sum(len(each.points) for each in found)} runs were given up after {MOST_STEPS} steps "
+        f"a slope of 1 follows it.  Geometric means where the tolerance, not the communication step, rules the steps, and where the "
+        f"error is more than {MARGIN:g} times the reference's own.  {lost} of {sum(len(each.points) for each in found)} runs were given up after {MOST_STEPS} steps "
         "(crosses at the foot)."
     )
 
