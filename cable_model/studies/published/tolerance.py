@@ -146,10 +146,11 @@ def _caption(found: list[Line]) -> str:
         return f"{between} (slopes {np.nanmin(slopes):.2f} to {np.nanmax(slopes):.2f})"
 
     lost = sum(not math.isfinite(p.errors["position"]) for each in found for p in each.points)
+    runs = sum(len(each.points) for each in found)
     return (
         f"Error against a fixed step far finer on the same grid: of the position {spread('position')}, of the tension {spread('tension')}; "
         f"a slope of 1 follows it.  Geometric means where the tolerance, not the communication step, rules the steps, and where the "
-        f"error is more than {MARGIN:g} times the reference's own.  {lost} of {sum(len(each.points) for each in found)} runs were given up after {MOST_STEPS} steps "
+        f"error is more than {MARGIN:g} times the reference's own.  {lost} of {runs} runs were given up after {MOST_STEPS} steps "
         "(crosses at the foot)."
     )
 
