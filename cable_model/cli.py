@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench, hard; with study, advise, advise-trial, sweep and peers of cli_studies."""
+"""The command line: run, plot, describe, compare, check, bench, hard; the rest is in cli_studies and cli_docs."""
 
 from __future__ import annotations
 
@@ -278,10 +278,12 @@ def hard(
         raise typer.Exit(1)
 
 
-for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.peers, cli_studies.limits):
+STUDIES = (
+    cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.published, cli_studies.peers, cli_studies.limits, cli_docs.docs,
+)  # fmt: skip
+for command in STUDIES:
     app.command()(command)
 app.command("advise-trial")(cli_studies.advise_trial)
-app.command()(cli_docs.docs)
 
 
 def main() -> None:

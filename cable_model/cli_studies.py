@@ -1,4 +1,4 @@
-"""The command line of accuracy and cost: study, advise, sweep, peers."""
+"""The command line of accuracy and cost: study, advise, sweep, published, peers."""
 
 from __future__ import annotations
 
@@ -167,6 +167,23 @@ def sweep(
     console.print(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
     for summary in failed:
         console.print(f"stopped: {summary['key']}: {summary['error']}")
+
+
+def published(
+    only: Annotated[list[str] | None, typer.Option(help="studies by their names; default: all")] = None,
+    output: Annotated[Path, typer.Option("-o", "--output", help="folder for pictures, tables and README.md")] = Path("results/published"),
+    quick: Annotated[bool, typer.Option("--quick", help="few and short runs")] = False,
+) -> None:
+    """Compute the published figures and tables anew, and where the shortcuts hold; pictures, tables and an index."""
+    from cable_model.studies.published import catalogue
+
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("published", total=1.0)
+        told = lambda text, done: bar.update(task, description=text, completed=done)  # noqa: E731
+        written = catalogue.write_all(output, only or (), quick, told)
+    for path in written:
+        console.print(f"wrote {path} and {path.with_suffix('.csv').name}")
+    console.print(f"wrote {output / 'README.md'}")
 
 
 def peers(
