@@ -24,9 +24,9 @@ BARE = {
     "solver": {"nodes": 101, "time_step": 0.005},
     "run": {"duration": 2.0, "output_step": 0.1},
 }
-WATER = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
+WATER: dict[str, object] = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
 SEA = {"waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
-SEABED = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
+SEABED: dict[str, object] = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
 CASES: dict[str, dict[str, object]] = {
     "bare chain": {},
     "bare chain, absent effects named with 0": {

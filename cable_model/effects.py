@@ -32,7 +32,7 @@ def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
         ("water: buoyancy, drag, added mass", parts.water, _number("water.density", scene.water.density, "kg/m3") if scene.water else dry),
         ("current", parts.current, _current(scene) if wet else dry),
         ("waves", parts.waves, _waves(scene) if wet else dry),
-        ("finite depth of the waves", parts.finite_depth, _number("water.depth", scene.water.depth, "m") if wet else dry),
+        ("finite depth of the waves", parts.finite_depth, _number("water.depth", scene.water.depth, "m") if scene.water and wet else dry),
         ("waves up to the surface as it is", parts.stretched or parts.cut, f"waves.surface = {scene.waves.surface}" if wet else dry),
         ("material axial damping", parts.voigt, _number("cable.axial_damping", cable.axial_damping, "N.s")),
         ("motion out of the vertical plane", parts.space, f"solver.space = {str(scene.solver.space).lower()}"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from cable_model.signals import INPUTS, OUTPUTS
 
 
 def simulate_fmu(
-    fmu: Path, times: np.ndarray, inputs: np.ndarray, parameters: dict[str, object] | None = None
+    fmu: Path, times: np.ndarray, inputs: np.ndarray, parameters: Mapping[str, object] | None = None
 ) -> tuple[tuple[str, ...], np.ndarray]:
     """Simulate an FMU at equal communication steps `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has."""
     import fmpy

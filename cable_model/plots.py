@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,7 +23,7 @@ def picture(results: dict[str, Result], title: str, path: Path) -> None:
     FigureCanvasAgg(figure)
     axes = figure.subplot_mosaic([["tension", "tension", "shape"], ["body", "body", "shape"], ["body2", "body2", "path"]])
     for (label, run), colour, style in zip(results.items(), COLOURS, STYLES, strict=False):
-        line = {"color": colour, "linestyle": style, "linewidth": 1.4, "label": label}
+        line: dict[str, Any] = {"color": colour, "linestyle": style, "linewidth": 1.4, "label": label}
         axes["tension"].plot(run["time"], run["top.tension"], **line)
         axes["body"].plot(run["time"], run["body.x"], **line)
         axes["body2"].plot(run["time"], run["body.z"], **line)

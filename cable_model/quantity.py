@@ -113,7 +113,8 @@ def _field(name: str, value: Any, kind: Any, field: dataclasses.Field) -> Any:
     if isinstance(kind, types.UnionType):  # an optional part
         kind = next(k for k in typing.get_args(kind) if k is not types.NoneType)
     if dataclasses.is_dataclass(kind):
-        return value if isinstance(value, kind) else build(typing.cast(type, kind), value, name)
+        part = typing.cast(type, kind)
+        return value if isinstance(value, part) else build(part, value, name)
     args = typing.get_args(kind)
     if typing.get_origin(kind) is tuple and args and dataclasses.is_dataclass(args[0]):
         if not isinstance(value, list | tuple):

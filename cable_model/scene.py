@@ -212,7 +212,8 @@ def _curve_table(cable: Cable) -> np.ndarray | None:
 def parts_of(scene: Scene, model: str) -> Parts:
     """Which parts the kernels of a model ("chain" or "tow") get; absent parts are None and cost nothing."""
     wet = scene.water is not None and scene.water.density > 0.0
-    waves = components(scene.waves, scene.environment.gravity, scene.water.depth) if wet else None
+    depth = scene.water.depth if scene.water is not None else 0.0
+    waves = components(scene.waves, scene.environment.gravity, depth) if wet else None
     grounded = scene.seabed.stiffness > 0.0
 
     def when(condition: bool) -> Any:
@@ -234,7 +235,7 @@ def parts_of(scene: Scene, model: str) -> Parts:
         water=when(wet),
         current=_current_table(scene.current) if wet else None,
         waves=waves,
-        finite_depth=when(waves is not None and scene.water.depth > 0.0),
+        finite_depth=when(waves is not None and depth > 0.0),
         stretched=when(waves is not None and scene.waves.surface == "wheeler"),
         cut=when(waves is not None and scene.waves.surface == "cut"),
         seabed=when(chain and grounded),

@@ -29,6 +29,7 @@ class Counted(float):
 
     operations: ClassVar[dict[str, int]] = dict.fromkeys(LATENCY, 0)
     __slots__ = ("cycle",)
+    cycle: int
 
     def __new__(cls, value: float, cycle: int = 0) -> Counted:
         made = super().__new__(cls, value)
@@ -58,7 +59,7 @@ class Counted(float):
     def __rtruediv__(self, other: Any) -> Counted:
         return self._made("divide", float(other) / float(self), self, other)
 
-    def __pow__(self, other: Any) -> Counted:
+    def __pow__(self, other: Any, modulus: None = None) -> Any:
         assert other == 0.5, "kernels raise to a half only"
         return self._made("root", float(self) ** 0.5, self)
 

@@ -66,6 +66,11 @@ def penetration(scene: Scene, tension: float) -> float:
     return math.sqrt(2.0 * tension / (drag * omega)) / scene.cable.length
 
 
+def least_depth(accuracy: float) -> float:
+    """Penetration depth over the length from which on drag bows the motion by no more than an accuracy of the ends allows."""
+    return 0.5 / math.sqrt(BOW * accuracy)
+
+
 def steady_bow(scene: Scene, tension: float) -> float:
     """Sag over the length of a cable under the drag of the steady speed: q L/(8 T)."""
     steady = lateral_motion(scene)[2]
@@ -97,7 +102,7 @@ def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:
         return [Check(f"TowCable stops: {run.error}", False)]
     tension = max(float(run.tension.mean()), 1e-9)
     limit = BOW * accuracy
-    depth, deep = penetration(scene, tension), 0.5 / math.sqrt(limit)
+    depth, deep = penetration(scene, tension), least_depth(accuracy)
     bow = steady_bow(scene, tension)
     omegas = forcing(scene)
     axial, lateral = axial_frequency(scene), lateral_frequency(scene, tension)

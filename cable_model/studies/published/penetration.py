@@ -12,7 +12,7 @@ import numpy as np
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.published.page import Page
 from cable_model.studies.timed import Setting, Timed, timed
-from cable_model.studies.validity import SHALLOW, penetration
+from cable_model.studies.validity import least_depth, penetration
 
 NAME = "straight_cable"
 HEAVE = 0.5  # m
@@ -26,6 +26,8 @@ FAMILIES: Mapping[str, tuple[tuple[float, float, float], ...]] = {  # (length m,
     "period 60 to 5 s": tuple((200.0, 1.0, period) for period in (60.0, 40.0, 30.0, 25.0, 20.0, 16.0, 13.0, 10.0, 8.0, 6.0, 5.0)),
     AMPLITUDES: tuple((200.0, amplitude, 20.0) for amplitude in (0.1, 0.2, 0.4, 0.7, 1.0, 2.0, 3.0, 5.0, 8.0)),
 }
+REFUSED = 0.4  # depth over the length below which the straight cable is not asked about lateral motion
+ASKED = 0.1  # accuracy whose limit is drawn
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,7 @@ def at_depth(found: list[Case], depth: float) -> float:
 
 def page(found: list[Case]) -> Page:
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 5), sharex=True, sharey=True)
+    asked = least_depth(ASKED)
     for k, family in enumerate(dict.fromkeys(case.family for case in found)):
         own = sorted((case for case in found if case.family == family), key=lambda case: case.depth)
         depths = [case.depth for case in own]
@@ -124,13 +127,14 @@ def page(found: list[Case]) -> Page:
     left.plot(*zip(*EARLIER, strict=True), "k*", markersize=9, label="amplitude, found before on another wire")
     titles = ("lateral motion of the body", "amplitude of the top tension")
     for axis, title in zip((left, right), titles, strict=True):
-        axis.axvline(SHALLOW, color="grey", linestyle=":", label=f"limit {SHALLOW:g} of `advise`")
+        axis.axvline(asked, color="grey", linestyle="--", linewidth=1.0, label=f"least depth of `advise` for {100 * ASKED:g} %")
+        axis.axvline(REFUSED, color="grey", linestyle=":", label=f"{REFUSED:g}: nothing said of lateral motion")
         axis.axhline(0.1, color="grey", linewidth=0.6)
         axis.set(xscale="log", yscale="log", xlabel="depth that drag lets lateral motion reach / length", title=title, ylim=(1e-3, 30.0))
         axis.grid(alpha=0.3, which="both")
         axis.legend(fontsize=7)
     left.set_ylabel("error of the straight cable")
-    near = [case for case in found if SHALLOW <= case.depth < 1.0]
+    near = [case for case in found if REFUSED <= case.depth < 1.0]
     deep = [case for case in found if case.depth >= 1.0]
     last = min(found, key=lambda case: case.depth)
     small = [case for case in found if case.amplitude <= SMALL]
@@ -139,8 +143,9 @@ def page(found: list[Case]) -> Page:
     caption = (
         f"TowCable against CableChain: 13 mm wire, 600 kg body, still water, top moved across and {HEAVE:g} m up and down.  Error of "
         f"the body's lateral amplitude: at most {worst_deep:.1f} % at depths of a "
-        f"length and more, at most {worst_near:.0f} % between the limit {SHALLOW:g} and "
-        f"1, {100 * at_depth(found, SHALLOW):.0f} % at the limit, a factor of {1.0 + last.lateral_error:.2g} at {last.depth:.2f}; with "
+        f"length and more, at most {worst_near:.0f} % between {REFUSED:g} and "
+        f"1, {100 * at_depth(found, REFUSED):.0f} % at {REFUSED:g}, {100 * at_depth(found, asked):.1f} % at the least depth {asked:.2g} "
+        f"that `advise` asks for {100 * ASKED:g} %, a factor of {1.0 + last.lateral_error:.2g} at {last.depth:.2f}; with "
         f"phase the motion is within 10 % down to {shallowest(found, 0.1):.2f}.  The tension's amplitude is within "
         f"{100 * max(abs(c.tension_error) for c in small):.1f} % where the top moves at most {SMALL:g} m across, else within "
         f"{100 * max(abs(c.tension_error) for c in found):.0f} %."
