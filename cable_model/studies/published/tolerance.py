@@ -143,6 +143,8 @@ def _caption(found: list[Line]) -> str:
         lines = [each for each in found if signal in CASES[each.case].signals]
         ratios, slopes = [each.ratio(signal) for each in lines], [each.slope(signal) for each in lines]
         between = f"{min(ratios):.2g} to {max(ratios):.2g} times the tolerance"
+        if np.isnan(slopes).all():
+            return f"{between} (too few points for a slope)"
         return f"{between} (slopes {np.nanmin(slopes):.2f} to {np.nanmax(slopes):.2f})"
 
     lost = sum(not math.isfinite(p.errors["position"]) for each in found for p in each.points)
