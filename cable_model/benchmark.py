@@ -107,12 +107,12 @@ def measure(names: list[str] | None = None, repetitions: int = 7) -> list[Cost]:
     ]
 
 
-def markdown(costs: list[Cost]) -> str:
-    """The costs as a table, with what they were measured on."""
+def markdown(costs: list[Cost], proof: str = "") -> str:
+    """The costs as a table, with what they were measured on; `proof` is a paragraph below it."""
     lines = [
         "# What each effect costs",
         "",
-        "Written by `python -m cable_model bench -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect alone;",
+        "Written by `python -m cable_model bench --absent -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect alone;",
         "medians of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
         f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}.",
         "",
@@ -120,4 +120,5 @@ def markdown(costs: list[Cost]) -> str:
         "|---|---:|---:|---:|",
     ]
     lines += [f"| {c.name} | {c.microseconds:.3f} | {c.iterations:.2f} | {c.ratio:.2f} |" for c in costs]
+    lines += ["", proof] if proof else []
     return "\n".join(lines) + "\n"

@@ -212,6 +212,7 @@ def bench(
     repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown too")] = None,
     case: Annotated[list[str] | None, typer.Option(help="rows by their names, the first one is the measure; default: all")] = None,
+    absent: Annotated[bool, typer.Option("--absent", help="time kernels without the code of absent effects beside")] = False,
 ) -> None:
     """Measure what each effect costs on this machine, switched on alone."""
     from cable_model.benchmark import CASES, markdown, measure
@@ -227,9 +228,15 @@ def bench(
     for cost in costs:
         table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
     console.print(table)
+    proof = ""
+    if absent:
+        from cable_model.limits import absent as without
+
+        proof = without.sentence(without.measure(told=console.print))
+        console.print(proof)
     if output is not None:
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(markdown(costs), encoding="utf-8")
+        output.write_text(markdown(costs, proof), encoding="utf-8")
         console.print(f"wrote {output}")
 
 

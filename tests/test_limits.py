@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from cable_model.limits import absent
 from cable_model.limits.counting import LATENCY, Counted
 from cable_model.limits.report import Limits, markdown
 
@@ -51,3 +52,18 @@ def test_the_note_sets_counts_bounds_and_times_side_by_side():
     text = markdown(found)
     assert "| bare chain | 400 | 10 + 10 | 100 | 25 | 100 | 200 | 100 |" in text
     assert "| 301 | 11.0 | 1.10 | 1.05 |" in text
+
+
+def test_what_an_absent_part_never_reaches_is_cut_out_and_the_rest_is_left(tmp_path):
+    assert absent.cut_out(tmp_path) > 50
+    kernels = tmp_path / "cable_model" / "kernels"
+    water = (kernels / "staggered.py").read_text(encoding="utf-8")
+    assert "flow, flow_rate, flow_gradient = water_motion" not in water  # behind `if water is None: return`
+    assert "barrier" in (kernels / "slack.py").read_text(encoding="utf-8")  # the bare chain has slack
+    grid = (kernels / "grid.py").read_text(encoding="utf-8")
+    assert "by_presence(_staggered_step, _staggered_step)" in grid
+
+
+@pytest.mark.long
+def test_kernels_without_the_code_of_absent_effects_give_the_same_bits():
+    assert len(absent.measure(rounds=2, told=lambda _: None).ratios) == 2  # it raises where a bit differs
