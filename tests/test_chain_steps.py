@@ -44,7 +44,7 @@ def test_a_fixed_step_is_the_fewest_equal_parts_of_every_communication_step():
 
 
 @pytest.mark.parametrize("lam", [-0.5, -0.9])
-def test_the_observed_error_is_the_tolerance_over_four_decades(lam):
+def test_the_observed_error_follows_the_tolerance_over_four_decades(lam):
     times = every(0.2, 8.0)
     reference = drive(make(HANGING, solver__time_step=0.0002, solver__lambda_infinity=lam), times, SWAY)["body.x"]
     tolerances = np.array([0.1, 0.01, 1e-3, 1e-4, 1e-5])
@@ -53,9 +53,10 @@ def test_the_observed_error_is_the_tolerance_over_four_decades(lam):
         run = drive(make(HANGING, solver__time_step=0.2, solver__tolerance=tolerance, solver__lambda_infinity=lam), times, SWAY)
         errors.append(np.sqrt(np.mean((run["body.x"] - reference) ** 2)) / np.std(reference))
         steps.append(run["solver.steps"][-1])
-    # the tolerance bounds the acceleration that the truncation error amounts to: it and the error both go with the step squared
+    # the tolerance bounds the acceleration that the truncation error amounts to, over that of the motion: it and the error both go with
+    # the step squared; the tip of this chain keeps well within it, its top tension, a hundred times stiffer, is a few times off
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.1)
-    assert (errors < 2.0 * tolerances).all() and (errors > 0.5 * tolerances).all()
+    assert (errors < tolerances).all() and (errors > 0.02 * tolerances).all()
     # waves along the cable that the step does not resolve must not rule it: 54 thousand steps a second when they did
     assert steps[1] < 2000
 
