@@ -7,7 +7,7 @@ import numpy as np
 
 from cable_model import scene
 from cable_model.cable_chain import CableChain
-from cable_model.kernels import chain
+from cable_model.kernels import layout
 from cable_model.signals import OUTPUTS
 
 Motion = Callable[[float], np.ndarray]  # time -> (9,): position, velocity, acceleration of the top
@@ -100,9 +100,9 @@ def every(step: float, duration: float) -> np.ndarray:
     return step * np.arange(round(duration / step) + 1)
 
 
-def view(model: CableChain) -> chain.View:
+def view(model: CableChain) -> layout.View:
     """The named arrays of the model's state: mesh, y (cell vectors, then velocities), force and the rest."""
-    return chain.cut(model.parts, model.numbers, model.state, model._work)
+    return layout.cut(model.parts, model.numbers, model.state, model._work)
 
 
 def observed_orders(answers: list[np.ndarray]) -> list[float]:

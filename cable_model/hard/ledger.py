@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from cable_model.cable_chain import CableChain
-from cable_model.kernels import chain, header
+from cable_model.kernels import header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
@@ -29,7 +29,7 @@ class Ledger:
         cable = scene.cable
         self.displaced_area = cable.volume_per_length if cable.volume_per_length >= 0.0 else 0.25 * np.pi * cable.diameter**2
         self.added = self.density * 0.25 * np.pi * cable.diameter**2 * cable.added_mass_coefficient
-        self.now = chain.cut(model.parts, model.numbers, model.state, model._work)
+        self.now = layout.cut(model.parts, model.numbers, model.state, model._work)
         self.numeric = build(model.parts, model.numbers, 0.0).numeric
         self.c = coefficients(int(model.numbers[23]), model.numbers[22])
 

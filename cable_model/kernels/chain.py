@@ -1,97 +1,27 @@
-"""The finite-difference chain as a component: state layout, initialization, time steps under one stepper for both grids, outputs.
-
-State: the header, then mesh, Y, Y', Y'' (backward difference of Y'), and what else predicts the next step: see grid.keep.
-"""
+"""The finite-difference chain as a component: initialization, time steps under one stepper for both grids, outputs."""
 
 import math
-from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import node_count
+from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 
-TOLERATED = 0.02  # such that the error of a swinging chain's tip, over its motion, is about solver.tolerance
+# what a model calls
+__all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
+
+TOLERATED = 0.02  # such that tips and bodies keep within solver.tolerance of their motion, and tensions within a few times it
 LEAST_MOTION = 0.01  # of g: errors are relative to the motion, but not to next to nothing
 LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
 SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
-
-
-class View(NamedTuple):
-    """The arrays of a state vector and its work vector."""
-
-    mesh: object
-    y: object
-    yd: object
-    ydd: object
-    y_old: object
-    contraction: object  # (1,)
-    force: object
-    force_old: object
-    y1: object
-    yd1: object
-    yd0: object
-    scratch: object
-
-
-@kernel
-def _in_plane(space, x, y, z):
-    return (x, z)
-
-
-@kernel
-def _in_space(space, x, y, z):
-    return (x, y, z)
-
-
-axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimension
-
-
-@kernel
-def state_size(parts, p):
-    n = node_count(p)
-    rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + (3 * rows + kept) * columns + 2 * tensions
-
-
-@kernel
-def work_size(parts, p):
-    n = node_count(p)
-    like = axes(parts.space, 0.0, 0.0, 0.0)
-    rows, columns, _, _ = grid.shape(parts.box, parts.bending, n, like)
-    return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
-
-
-@kernel
-def cut(parts, p, state, work):
-    n = node_count(p)
-    like = axes(parts.space, 0.0, 0.0, 0.0)
-    rows, d, kept, tensions = grid.shape(parts.box, parts.bending, n, like)
-    m = rows * d
-    o = header.HEADER + 2 * (n - 1)
-    e = o + 3 * m + kept * d
-    return View(
-        state[header.HEADER : o].reshape((n - 1, 2)),
-        state[o : o + m].reshape((rows, d)),
-        state[o + m : o + 2 * m].reshape((rows, d)),
-        state[o + 2 * m : o + 3 * m].reshape((rows, d)),
-        state[o + 3 * m : e].reshape((kept, d)),
-        state[header.CONTRACTION : header.CONTRACTION + 1],
-        state[e : e + tensions],
-        state[e + tensions : e + 2 * tensions],
-        work[0:m].reshape((rows, d)),
-        work[m : 2 * m].reshape((rows, d)),
-        work[2 * m : 3 * m].reshape((rows, d)),
-        grid.cut_scratch(parts.box, parts.bending, work[3 * m :], n, like),
-    )
 
 
 @kernel
@@ -105,12 +35,6 @@ def _anchored(anchor, space, p):
 
 
 _anchor = by_presence(_free, _anchored)
-
-
-@kernel
-def _top_at(parts, state, offset):
-    k = header.TOP + offset
-    return axes(parts.space, state[k], state[k + 1], state[k + 2])
 
 
 @kernel
@@ -128,7 +52,7 @@ def settle(parts, p, time, state, work):
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[16], 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[20], view.mesh)
-    top = _top_at(parts, state, 0)
+    top = top_at(parts, state, 0)
     return grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
 
 
@@ -137,10 +61,10 @@ def set_off(parts, p, time, state, work):
     """Rates of change of a cable in place and at rest, whose top alone moves already; no steps yet."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
-    top = _top_at(parts, state, 0)
+    top = top_at(parts, state, 0)
     state[header.MESH_LENGTH] = problem.cable.length
     winding = _winding_now(parts.winch, problem, state)
-    status = grid.starting_rates(parts.box, parts, problem, p, view, top, _top_at(parts, state, 3), _top_at(parts, state, 6), winding, time)
+    status = grid.starting_rates(parts.box, parts, problem, p, view, top, top_at(parts, state, 3), top_at(parts, state, 6), winding, time)
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):
@@ -394,7 +318,7 @@ def node_positions(parts, p, state, work, positions):
     """Positions (n, 3) of all nodes, summed from the prescribed top downwards."""
     view = cut(parts, p, state, work)
     n = view.mesh.shape[0] + 1
-    at = _top_at(parts, state, 0)
+    at = top_at(parts, state, 0)
     for i in range(n - 1, -1, -1):
         if i < n - 1:
             at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
@@ -407,7 +331,7 @@ def outputs(parts, p, state, work, out):
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
     c = coefficients(int(p[23]), p[22])
-    top = _top_at(parts, state, 0)
+    top = top_at(parts, state, 0)
     winding = _winding_now(parts.winch, problem, state)
     force, t, position, velocity, end, largest, smallest, slack = grid.measure(
         parts.box, parts, problem, p, view, c, state[header.STEP], top, winding, state[header.TIME]

@@ -1,6 +1,6 @@
 """What the chain asks of its grid, answered by the staggered or by the box one: the first argument, parts.box, decides.
 
-Each grid compiles its own side only.  A View is chain.View; positions and velocities are vectors of the chain's dimension.
+Each grid compiles its own side only.  A View is layout.View; positions and velocities are vectors of the chain's dimension.
 """
 
 from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_step

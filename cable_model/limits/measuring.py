@@ -13,7 +13,7 @@ from typing import Any
 import numba
 
 from cable_model.benchmark import CASES, scene_of
-from cable_model.kernels import chain, grid, header
+from cable_model.kernels import grid, header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.staggered_step import Winding
@@ -75,11 +75,11 @@ def _stepper(case: str, nodes: int) -> Callable[[], int]:
     for k in range(5):
         model.advance(k * step, step, motion(k * step), motion((k + 1) * step))
     parts, p, state = model.parts, model.numbers, model.state
-    view = chain.cut(parts, p, state, model._work)
+    view = layout.cut(parts, p, state, model._work)
     view.yd0[:] = view.yd
     problem, c = build(parts, p, 0.0), coefficients(0, -0.9)
     top = motion(0.5)
-    place, velocity = (chain.axes(parts.space, *top[3 * k : 3 * k + 3]) for k in range(2))
+    place, velocity = (layout.axes(parts.space, *top[3 * k : 3 * k + 3]) for k in range(2))
     winding = Winding(problem.cable.length, 0.0, 0.0)
 
     def step_once() -> int:

@@ -1,0 +1,86 @@
+"""The chain's state vector: the header, then mesh, Y, Y', Y'' (backward difference of Y'), and what else predicts the next step.
+
+What that is, is the grid's: see grid.keep.  Nothing here moves anything.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels import grid, header
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import node_count
+
+
+class View(NamedTuple):
+    """The arrays of a state vector and its work vector."""
+
+    mesh: object
+    y: object
+    yd: object
+    ydd: object
+    y_old: object
+    contraction: object  # (1,)
+    force: object
+    force_old: object
+    y1: object
+    yd1: object
+    yd0: object
+    scratch: object
+
+
+@kernel
+def _in_plane(space, x, y, z):
+    return (x, z)
+
+
+@kernel
+def _in_space(space, x, y, z):
+    return (x, y, z)
+
+
+axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimension
+
+
+@kernel
+def state_size(parts, p):
+    n = node_count(p)
+    rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
+    return header.HEADER + 2 * (n - 1) + (3 * rows + kept) * columns + 2 * tensions
+
+
+@kernel
+def work_size(parts, p):
+    n = node_count(p)
+    like = axes(parts.space, 0.0, 0.0, 0.0)
+    rows, columns, _, _ = grid.shape(parts.box, parts.bending, n, like)
+    return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
+
+
+@kernel
+def cut(parts, p, state, work):
+    n = node_count(p)
+    like = axes(parts.space, 0.0, 0.0, 0.0)
+    rows, d, kept, tensions = grid.shape(parts.box, parts.bending, n, like)
+    m = rows * d
+    o = header.HEADER + 2 * (n - 1)
+    e = o + 3 * m + kept * d
+    return View(
+        state[header.HEADER : o].reshape((n - 1, 2)),
+        state[o : o + m].reshape((rows, d)),
+        state[o + m : o + 2 * m].reshape((rows, d)),
+        state[o + 2 * m : o + 3 * m].reshape((rows, d)),
+        state[o + 3 * m : e].reshape((kept, d)),
+        state[header.CONTRACTION : header.CONTRACTION + 1],
+        state[e : e + tensions],
+        state[e + tensions : e + 2 * tensions],
+        work[0:m].reshape((rows, d)),
+        work[m : 2 * m].reshape((rows, d)),
+        work[2 * m : 3 * m].reshape((rows, d)),
+        grid.cut_scratch(parts.box, parts.bending, work[3 * m :], n, like),
+    )
+
+
+@kernel
+def top_at(parts, state, offset):
+    k = header.TOP + offset
+    return axes(parts.space, state[k], state[k + 1], state[k + 2])
