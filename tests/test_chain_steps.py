@@ -58,7 +58,7 @@ def test_the_observed_error_follows_the_tolerance_over_four_decades(lam):
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.1)
     assert (errors < tolerances).all() and (errors > 0.02 * tolerances).all()
     # waves along the cable that the step does not resolve must not rule it: 54 thousand steps a second when they did
-    assert steps[1] < 2000
+    assert steps[1] < 500 * times[-1]
 
 
 @pytest.mark.parametrize("grid", ["staggered", "box"])
