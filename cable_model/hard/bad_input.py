@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import tempfile
 from collections.abc import Callable
@@ -20,8 +21,8 @@ def _scene(**changes: object) -> Callable[[], object]:
 
 
 def _empty() -> Scene:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "empty.toml"
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):  # the report names the file, not a machine's folder
+        path = Path("empty.toml")
         path.write_text("", encoding="utf-8")
         return load(path)
 
