@@ -54,7 +54,7 @@ def test_the_observed_error_follows_the_tolerance_over_four_decades(lam):
         errors.append(np.sqrt(np.mean((run["body.x"] - reference) ** 2)) / np.std(reference))
         steps.append(run["solver.steps"][-1])
     # the tolerance bounds the acceleration that the truncation error amounts to, over that of the motion: it and the error both go with
-    # the step squared; the tip of this chain keeps well within it, its top tension, a hundred times stiffer, is a few times off
+    # the step squared; the tip of this chain keeps well within it; its top tension is nearer to it (docs/published)
     assert np.polyfit(np.log(tolerances), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.1)
     assert (errors < tolerances).all() and (errors > 0.02 * tolerances).all()
     # waves along the cable that the step does not resolve must not rule it: 54 thousand steps a second when they did
