@@ -20,6 +20,7 @@ from test_fmu_input import BAD_PARAMETERS, BAD_STEPS, STEP
 
 from cable_model.effects import effects, one_line
 from cable_model.errors import ParameterError
+from cable_model.kernels import jit
 from cable_model.kernels.parts import PARAMETERS
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
@@ -161,6 +162,12 @@ def test_the_same_kernels_give_the_same_bytes_in_another_process(native: dict[st
     again = export.export("tow", object_code.GENERIC["tow"])
     monkeypatch.setattr(build, "object_code", lambda model, variants: again)
     assert build.build_native("tow", tmp_path / "TowCable.fmu").read_bytes() == native["tow"].path.read_bytes()
+
+
+def test_kernels_edited_since_the_process_started_are_not_exported_under_the_old_name(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(jit, "source_hash", lambda: "another")
+    with pytest.raises(RuntimeError, match="the kernels' sources have changed"):
+        export.export("tow", object_code.GENERIC["tow"])
 
 
 def test_without_a_compiler_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture):

@@ -186,13 +186,14 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
     text = re.sub(r"(?m)^(@\.const\.picklebuf\S* = internal constant \{[^}]*\}) \{.*\}", r"\1 zeroinitializer", text)
     module = llvm.parse_assembly(text)
     module.verify()
-    for value in (*module.functions, *module.global_variables):
+    for k, value in enumerate((*module.functions, *module.global_variables)):
         if value.is_declaration:
             continue
         if value.name.startswith("kernel_"):
             value.visibility = "hidden"
         else:
             value.linkage = "internal"
+            value.name = f"_{k}"  # numba's own are long, and count what the process compiled
     target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
     machine = target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
@@ -210,11 +211,13 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
 def export(model: str, variants: Sequence[Variant]) -> bytes:
     """Object code of the entries kernel_0, kernel_1, ... of a model's variants, compiled in a process of its own.
 
-    Raises RuntimeError with that process's last words where it fails or takes longer than LONGEST.
+    Raises RuntimeError with that process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
     """
     import os
 
-    request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants]})
+    from cable_model.kernels.jit import source_hash
+
+    request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants], "kernels": source_hash()})
     root = Path(__file__).parents[2]
     try:
         done = subprocess.run(
@@ -232,9 +235,12 @@ def main() -> None:
     from fmu_src.native import presence
 
     presence.take_over()
+    from cable_model.kernels import jit
     from cable_model.models import MODELS
 
     request = json.load(sys.stdin)
+    if request["kernels"] != jit.source_hash():
+        raise SystemExit("the kernels' sources have changed since the process that asks was started. Start it again.")
     kernels = MODELS[request["model"]].kernels()
     sys.stdout.buffer.write(_optimized([_compile(_entry(kernels, variant)) for variant in request["variants"]]))
 

@@ -16,7 +16,15 @@ from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, Variant
 from fmu_src.native.export import export
 
 HERE = Path(__file__).resolve().parent
-_MADE_BY = (HERE.parent / "entries.py", HERE / "export.py", HERE / "presence.py")
+_ROOT = HERE.parents[1]
+# beside the kernels, what the export reads
+_MADE_BY = (
+    "fmu_src/entries.py",
+    "fmu_src/native/export.py",
+    "fmu_src/native/presence.py",
+    "cable_model/calls.py",
+    "cable_model/signals.py",
+)
 
 # parts of an FMU without a baked scene, which parameters switch on and off
 _ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
@@ -60,13 +68,14 @@ def object_code(model: str, variants: Sequence[Variant]) -> bytes:
 
     Raises RuntimeError where the export fails.
     """
+    import llvmlite
     import numba
     import platformdirs
 
     from cable_model.kernels.jit import source_hash
 
-    made_from = [source_hash(), numba.__version__, model, json.dumps(list(variants))]
-    made_from += [path.read_text(encoding="utf-8") for path in _MADE_BY]
+    made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants))]
+    made_from += [(_ROOT / path).read_text(encoding="utf-8") for path in _MADE_BY]
     name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
     path = Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
     if path.is_file():
