@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -158,7 +159,13 @@ def test_the_library_names_no_folder_of_this_machine(fmu: Fmu):
         assert len(folder.parts) < 3 or str(folder).encode() not in code
 
 
-def test_the_same_kernels_give_the_same_bytes_in_another_process(native: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_the_same_kernels_give_the_same_bytes_in_another_process_and_folder(
+    native: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    elsewhere = tmp_path / "a folder with a name of another length"
+    for package in ("cable_model", "fmu_src"):
+        shutil.copytree(ROOT / package, elsewhere / package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(export, "ROOT", elsewhere)
     again = export.export("tow", object_code.GENERIC["tow"])
     monkeypatch.setattr(build, "object_code", lambda model, variants: again)
     assert build.build_native("tow", tmp_path / "TowCable.fmu").read_bytes() == native["tow"].path.read_bytes()

@@ -18,6 +18,7 @@ from typing import Any
 from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, STEP, TABLES, Variant
 
 PATH, END, WORK = 0, 24, 33  # places in an entry's work array: path, end of the path, the kernels' own
+ROOT = Path(__file__).resolve().parents[2]
 LONGEST = 1800  # s, of an export; two variants take a few minutes
 ENVIRONMENT = {
     "NUMBA_CPU_NAME": "x86-64",
@@ -186,14 +187,11 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
     text = re.sub(r"(?m)^(@\.const\.picklebuf\S* = internal constant \{[^}]*\}) \{.*\}", r"\1 zeroinitializer", text)
     module = llvm.parse_assembly(text)
     module.verify()
-    for k, value in enumerate((*module.functions, *module.global_variables)):
-        if value.is_declaration:
-            continue
+    for value in (*module.functions, *module.global_variables):
         if value.name.startswith("kernel_"):
             value.visibility = "hidden"
-        else:
+        elif not value.is_declaration:
             value.linkage = "internal"
-            value.name = f"_{k}"  # numba's own are long, and count what the process compiled
     target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
     machine = target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
@@ -202,6 +200,9 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
     passes = builder.getModulePassManager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
+    own = [value for value in (*module.functions, *module.global_variables) if not value.is_declaration and value.linkage.name == "internal"]
+    for k, value in enumerate(own):
+        value.name = f"_{k}"  # numba's are long, count what the process compiled, and some are of what it raises, with names of this machine
     wanted = {value.name for value in module.functions if value.is_declaration and not value.name.startswith("llvm.")}
     if wanted - {*EXTERNAL}:
         raise ValueError(f"kernels call {sorted(wanted - {*EXTERNAL})}. Add what libc and libm have to entries.EXTERNAL.")
@@ -218,11 +219,10 @@ def export(model: str, variants: Sequence[Variant]) -> bytes:
     from cable_model.kernels.jit import source_hash
 
     request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants], "kernels": source_hash()})
-    root = Path(__file__).parents[2]
     try:
         done = subprocess.run(
             [sys.executable, "-m", "fmu_src.native.export"],
-            input=request.encode(), capture_output=True, cwd=root, env={**os.environ, **ENVIRONMENT}, check=False, timeout=LONGEST,
+            input=request.encode(), capture_output=True, cwd=ROOT, env={**os.environ, **ENVIRONMENT}, check=False, timeout=LONGEST,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise RuntimeError(f"the export of the kernels took longer than {LONGEST} s") from error
