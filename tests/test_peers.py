@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from cable_model.errors import ParameterError
-from cable_model.peers import compare, moordyn
+from cable_model.peers import compare, deck, moordyn
 from cable_model.scene import load, with_values
 from cable_model.studies.timed import Scale, errors, timed
 
@@ -38,6 +38,18 @@ def test_what_is_not_translated_is_refused():
         moordyn.run(load("towed_body").__class__(**{**vars(load("towed_body")), "current": load("hanging_chain").current}), 5, 1e-3)
     with pytest.raises(ParameterError, match=r"anchor|seabed"):
         moordyn.run(load("basin_chain"), 5, 1e-3)
+
+
+def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
+    def cannot(scene, segments, step):
+        raise deck.NotTranslated("it cannot let go")
+
+    monkeypatch.setattr(compare, "CODES", {"theirs": (cannot, lambda scene: [(5, 0.01)])})
+    short = compare.Case("free_chain", {**compare.FREE, "cable.axial_stiffness": 1e4, "run.duration": 0.5}, ("position",))
+    monkeypatch.setattr(compare, "CASES", {"short": short})
+    (row,) = compare.compare("short", [0.01], told=lambda line: None)
+    assert row.why == "it cannot let go"
+    assert "| it cannot let go | - | not reached |" in compare.markdown([row])
 
 
 def test_the_table_gives_the_ratio_or_says_that_it_was_not_reached():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cable_model.errors import ParameterError, refuse
+from cable_model.errors import ParameterError
 from cable_model.peers import deck
 from cable_model.scene import Scene
 from cable_model.studies.timed import Timed
@@ -15,7 +15,7 @@ MOST_PIECES = 10_000  # of an output step: a call is one step
 def run(scene: Scene, segments: int, step: float) -> Timed:
     """Run a scene from CableDyn's static equilibrium, with its default damping of high frequencies.
 
-    Raises ParameterError where CableDyn is not installed, and for effects that are not translated.
+    Raises ParameterError where CableDyn is not installed, NotTranslated where it cannot run the scene.
     """
     try:
         import cabledyn
@@ -23,9 +23,11 @@ def run(scene: Scene, segments: int, step: float) -> Timed:
         raise ParameterError("cabledyn: not installed. Install it with pip install 'cable-fmu[peers]'.") from absent
     deck.refuse_untranslated(scene, "CableDyn")
     if deck.let_go(scene):
-        raise refuse("lower_end", "released", "", "free or a body for CableDyn", "Its Python interface cannot let go of a point.")
+        raise deck.NotTranslated("CableDyn cannot let go of a point through its Python interface.")
     calls = deck.pieces(scene, step, MOST_PIECES)
-    options = (f"{scene.run.output_step / calls} dtM", f"{scene.run.duration} TMax", "1e4 kBot", "0 cBot")
+    outputs = max(1, round(scene.run.duration / scene.run.output_step))
+    # it wants a whole number of its steps
+    options = (f"{scene.run.output_step / calls} dtM", f"{outputs * scene.run.output_step} TMax", "1e4 kBot", "0 cBot")
     with deck.written(deck.text(scene, segments, options)) as path:
         try:
             system = cabledyn.CableDyn(path)

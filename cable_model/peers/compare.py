@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from cable_model.peers import cabledyn, moordyn
+from cable_model.peers import cabledyn, deck, moordyn
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.advice import advise
 from cable_model.studies.timed import SIGNALS, Scale, Timed, errors, timed, worst
@@ -93,7 +93,7 @@ CODES: Mapping[str, tuple[Callable[[Scene, int, float], Timed], Callable[[Scene]
 
 
 def _runs(code: str, scene: Scene, told: Callable[[str], None]) -> tuple[list[Run], str]:
-    """All runs of a code that take no longer than LONGEST, and how long the first too long one would have taken."""
+    """All runs of a code that take no longer than LONGEST, and how long the first too long one would have taken, or why it cannot run."""
     run, settings = CODES[code]
     done: list[Run] = []
     left_out = ""
@@ -101,7 +101,10 @@ def _runs(code: str, scene: Scene, told: Callable[[str], None]) -> tuple[list[Ru
     for segments, step in settings(scene):
         words = f"{segments} segments, step {step:.2g} s"
         told(f"{code}: {words}")
-        expected = run(short, segments, step).seconds * scene.run.duration / short.run.duration
+        try:
+            expected = run(short, segments, step).seconds * scene.run.duration / short.run.duration
+        except deck.NotTranslated as reason:
+            return [], str(reason)
         if expected > LONGEST:
             left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
             continue

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cable_model.errors import refuse
+from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.scene import Scene, parts_of
@@ -23,12 +23,16 @@ THIN = 1e-9  # kg/m3: the water of a scene without water
 UNSUPPORTED = ("waves", "current", "seabed", "winch", "curve", "bending", "anchor")
 
 
+class NotTranslated(ParameterError):
+    """A peer cannot simulate the scene, or is not told here how."""
+
+
 def refuse_untranslated(scene: Scene, peer: str) -> None:
-    """ParameterError for what the input file below does not say."""
+    """NotTranslated for what the input file below does not say."""
     parts = parts_of(scene, "chain")
     for name in UNSUPPORTED:
         if getattr(parts, name) is not None:
-            raise refuse(name, "present", "", f"absent for {peer}", "Leave it out of the scene.")
+            raise NotTranslated(f"{name}: must be absent for {peer}. Leave it out of the scene.")
 
 
 def let_go(scene: Scene) -> bool:

@@ -200,9 +200,9 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
     passes = builder.getModulePassManager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
-    own = [value for value in (*module.functions, *module.global_variables) if not value.is_declaration and value.linkage.name == "internal"]
+    own = [value for value in (*module.functions, *module.global_variables) if value.linkage.name == "internal"]
     for k, value in enumerate(own):
-        value.name = f"_{k}"  # numba's are long, count what the process compiled, and some are of what it raises, with names of this machine
+        value.name = f"_{k}"  # numba's are long, count what the process compiled, and some are hashes of paths
     wanted = {value.name for value in module.functions if value.is_declaration and not value.name.startswith("llvm.")}
     if wanted - {*EXTERNAL}:
         raise ValueError(f"kernels call {sorted(wanted - {*EXTERNAL})}. Add what libc and libm have to entries.EXTERNAL.")
