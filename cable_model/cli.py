@@ -286,7 +286,8 @@ def hard(
 
 
 STUDIES = (
-    cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.published, cli_studies.peers, cli_studies.limits, cli_docs.docs,
+    cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.published, cli_studies.peers, cli_studies.targets,
+    cli_studies.limits, cli_docs.docs,
 )  # fmt: skip
 for command in STUDIES:
     app.command()(command)

@@ -47,10 +47,19 @@ def _published(folder: Path, quick: bool) -> None:
     cli_studies.published(None, folder / "published", quick)
 
 
-def _peers(folder: Path, quick: bool) -> None:
-    for package in ("moordyn", "cabledyn"):
+def _must_have(*packages: str) -> None:
+    for package in packages:
         if find_spec(package) is None:
             raise ParameterError(f"{package}: not installed. Install it with pip install 'cable-fmu[peers]'.")
+
+
+def _targets(folder: Path, quick: bool) -> None:
+    _must_have("moordyn")
+    cli_studies.targets(folder / "targets.md")
+
+
+def _peers(folder: Path, quick: bool) -> None:
+    _must_have("moordyn", "cabledyn")
     cli_studies.peers([QUICK_PEER] if quick else None, folder / "peers.md")
 
 
@@ -62,7 +71,7 @@ def _hard(folder: Path, quick: bool) -> None:
 
 WRITERS: Mapping[str, Callable[[Path, bool], None]] = {
     "pictures": _pictures, "effects": _effects, "limits": _limits, "study": _study, "advice": _advice, "published": _published,
-    "peers": _peers, "hard": _hard,
+    "peers": _peers, "targets": _targets, "hard": _hard,
 }  # fmt: skip
 
 

@@ -209,6 +209,21 @@ def peers(
         console.print(f"wrote {output}")
 
 
+def targets(
+    output: Annotated[Path, typer.Option("-o", "--output", help="the table to write, Markdown")] = Path("results/targets.md"),
+) -> None:
+    """Measure what the chain reaches in the cases of four other codes, at costs set beside theirs (extra "peers")."""
+    from cable_model.peers import targets as sought
+
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("targets", total=None)
+        text = sought.markdown(sought.measure(lambda words: bar.update(task, description=words)))
+    console.print(text, soft_wrap=True)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text(text, encoding="utf-8")
+    console.print(f"wrote {output}")
+
+
 def limits(
     output: Annotated[Path, typer.Option("-o", "--output", help="the note to write, Markdown")] = Path("results/limits.md"),
     quick: Annotated[bool, typer.Option("--quick", help="the bare chain only")] = False,

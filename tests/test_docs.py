@@ -53,6 +53,7 @@ def test_every_file_of_docs_belongs_to_a_part(path):
         "cost_of_effects.md",
         "limits.md",
         "peers.md",
+        "targets.md",
         *(f"{name}.png" for name in cli_docs.PICTURED),
     )
     assert path.startswith(homes)

@@ -37,6 +37,15 @@ def series(period: float) -> tuple[np.ndarray, np.ndarray]:
     return table[:, 0], table[:, 1 + WITH_SERIES.index(period)]
 
 
+def scatter(period: float, harmonics: int = 14) -> float:
+    """Rms distance of a measured series from its own periodic part, over its range: no periodic answer comes nearer."""
+    times, measured = series(period)
+    angles = 2.0 * np.pi * np.outer(times, np.arange(harmonics + 1)) / period
+    waves = np.hstack([np.cos(angles), np.sin(angles[:, 1:])])
+    rest = measured - waves @ np.linalg.lstsq(waves, measured, rcond=None)[0]
+    return float(np.sqrt(np.mean(rest**2)) / np.ptp(measured))
+
+
 def cycles(run: Record) -> np.ndarray:
     """Tension of the last cycles, a row each, N."""
     return run["top.tension"][1:].reshape(BASIN_CYCLES, -1)[-LAST:]

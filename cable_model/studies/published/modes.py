@@ -1,10 +1,12 @@
-"""The modes of a chain hanging at rest (m = g = L = 1) that is let go from a sideways pull at its tip."""
+"""The modes of a chain hanging at rest (m = g = L = 1): let go from a sideways pull at its tip, and shifted at its top."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from cable_model.motion import fade_in
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,25 @@ def bessel_series(count: int, pull: float = 0.001) -> Series:
     x, weights = 0.5 * (x + 1.0), 0.5 * weights
     start = pull * (np.arcsinh(1.0 / pull) - np.arcsinh(x * x / pull)) * 2.0 * x * weights  # s = x^2
     return Series(frequencies, np.array([np.dot(start, j0(2.0 * w * x)) / j1(2.0 * w) ** 2 for w in frequencies]))
+
+
+def displaced_tip(times: np.ndarray, ramp_time: float, count: int = 80) -> np.ndarray:
+    """Tip of the chain without bending, over the shift of its top, which is moved aside within ramp_time as motion.fade_in moves it.
+
+    Modes J0(2 omega sqrt(s)) under the top's acceleration, the convolution by Gauss's rule.
+    """
+    from scipy.special import j1, jn_zeros
+
+    omega = jn_zeros(0, count) / 2.0
+    share = 1.0 / (omega**2 * j1(2.0 * omega))  # of a rigid shift in each mode, 1/(omega J1), over omega
+    x, weights = np.polynomial.legendre.leggauss(400)
+    tip = np.array([fade_in(t, ramp_time)[0] for t in times])
+    for k, t in enumerate(times):
+        half = 0.5 * min(t, ramp_time)
+        moments = half * (x + 1.0)
+        pushed = half * weights * [fade_in(moment, ramp_time)[2] for moment in moments]
+        tip[k] -= share @ np.sin(np.outer(omega, t - moments)) @ pushed
+    return tip
 
 
 def beam_series(count: int, bending: float, pull: float = 0.001, elements: int = 80) -> Series:
