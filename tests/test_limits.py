@@ -47,11 +47,16 @@ def test_bending_and_space_cost_operations_that_a_bare_chain_does_not():
 def test_the_note_sets_counts_bounds_and_times_side_by_side():
     counts = {"bare chain": {**dict.fromkeys(LATENCY, 10.0), "flops": 400.0, "path": 100.0}}
     found = Limits(
-        counts, {"bare chain": 1e-7}, {"bare chain": 2e-7}, {"cycle": 0.25e-9, "flops": 4e9}, [(101, 1e-5, 1.04), (301, 1.1e-5, 1.05)]
+        counts,
+        {"bare chain": 1e-7},
+        {"bare chain": 2e-7},
+        {"cycle": 0.25e-9, "flops": 4e9},
+        [(100, 1e-5, 1.04), (200, 9e-6, 1.05), (300, 8e-6, 1.06)],
     )
     text = markdown(found)
     assert "| bare chain | 400 | 10 + 10 | 100 | 25 | 100 | 200 | 100 |" in text
-    assert "| 301 | 11.0 | 1.10 | 1.05 |" in text
+    assert "0.30 ms for the calls, 7.00 us for each node" in text
+    assert "| 200 | 1.80 | 1.70 | +5.9 % | 1.05 |" in text
 
 
 def test_what_an_absent_part_never_reaches_is_cut_out_and_the_rest_is_left(tmp_path):
