@@ -36,10 +36,10 @@ from fmu_src import trial
 from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
 from fmu_src.model_description import osp_description
+from fmu_src.native.build import IDENTIFIERS
 from fmu_src.vendoring import Vendored, vendor
 
 HERE = Path(__file__).resolve().parent
-IDENTIFIERS = {"chain": "CableChain", "tow": "TowCable"}
 REQUIREMENTS = b"numpy>=2.0\nnumba>=0.61\nplatformdirs>=4\n"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 _MODULES = ("fmu_src.slave",)

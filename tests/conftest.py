@@ -9,8 +9,10 @@ from types import ModuleType
 
 import pytest
 from fmu_support import Fmu
+from native_support import KEYS
 
 from cable_model.models import MODELS
+from fmu_src.native import build
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -31,6 +33,13 @@ def fmus(build_fmu: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> dic
     folder = tmp_path_factory.mktemp("fmus")
     made = {key: build_fmu.build(key, build_fmu.generic_scene(), folder / f"{build_fmu.IDENTIFIERS[key]}.fmu") for key in MODELS}
     return {key: Fmu(path, folder / key) for key, path in made.items()}
+
+
+@pytest.fixture(scope="session")
+def native(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
+    """The generic native FMUs, by the model's key."""
+    folder = tmp_path_factory.mktemp("native")
+    return {KEYS[path.stem]: Fmu(path, folder / path.stem) for path in build.build_all(folder)}
 
 
 @pytest.fixture(params=sorted(MODELS))

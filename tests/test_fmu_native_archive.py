@@ -1,0 +1,96 @@
+"""The native FMUs as files: valid, small, the same bytes every time, and no Python where they run."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numba
+import pytest
+from fmpy.validation import validate_fmu
+from fmu_support import Fmu
+from native_support import KEYS, library_of, only_where_they_run
+
+from cable_model.errors import ParameterError
+from cable_model.kernels import jit
+from cable_model.models import MODELS
+from fmu_src.native import build, export, object_code
+
+ROOT = Path(__file__).resolve().parent.parent
+pytestmark = only_where_they_run
+
+
+@pytest.fixture(params=sorted(MODELS))
+def fmu(request: pytest.FixtureRequest, native: dict[str, Fmu]) -> Fmu:
+    return native[request.param]
+
+
+def test_a_native_fmu_is_a_valid_fmu_below_200_kilobytes(fmu: Fmu):
+    assert validate_fmu(str(fmu.path)) == []
+    assert fmu.path.stat().st_size < 200_000
+
+
+def test_a_native_fmu_describes_itself_as_the_python_fmu_does(fmu: Fmu, fmus: dict[str, Fmu]):
+    def description(path: Path) -> str:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        for name in ("guid", "generationTool"):
+            assert root.attrib.pop(name)
+        capabilities = root.find("CoSimulation")
+        assert capabilities is not None
+        del capabilities.attrib["canNotUseMemoryManagementFunctions"]
+        return ElementTree.canonicalize(ElementTree.tostring(root, encoding="unicode"), strip_text=True)
+
+    key = KEYS[fmu.path.stem]
+    assert description(fmu.path) == description(fmus[key].path)
+
+
+def test_the_library_needs_only_libc_and_libm_and_exports_only_fmi(fmu: Fmu):
+    def names(*options: str) -> set[str]:
+        done = subprocess.run(["nm", "-D", *options, str(library_of(fmu))], capture_output=True, text=True, check=True)
+        return {line.split()[-1] for line in done.stdout.splitlines()}
+
+    exported = names("--defined-only")
+    assert len(exported) == 34
+    assert all(name.startswith("fmi2") for name in exported)
+    wanted = {name.split("@")[0] for name in names("--undefined-only")}
+    assert not {name for name in wanted if name.startswith(("Py", "_Py", "NRT", "numba"))}
+    done = subprocess.run(["ldd", str(library_of(fmu))], capture_output=True, text=True, check=True)
+    loaded = {line.split()[0].rpartition("/")[2].split(".")[0] for line in done.stdout.splitlines()}
+    assert loaded <= {"linux-vdso", "libm", "libc", "ld-linux-x86-64"}
+
+
+def test_the_library_names_no_folder_of_this_machine(fmu: Fmu):
+    code = library_of(fmu).read_bytes()
+    for folder in (ROOT, Path(sys.prefix), Path(numba.__file__).parent, Path.home()):
+        assert len(folder.parts) < 3 or str(folder).encode() not in code
+
+
+def test_the_same_kernels_give_the_same_bytes_in_another_process_and_folder(
+    native: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    elsewhere = tmp_path / "a folder with a name of another length"
+    for package in ("cable_model", "fmu_src"):
+        shutil.copytree(ROOT / package, elsewhere / package, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(export, "ROOT", elsewhere)
+    again = export.export("tow", object_code.GENERIC["tow"])
+    monkeypatch.setattr(build, "object_code", lambda model, variants: again)
+    assert build.build_native("tow", tmp_path / "TowCable.fmu").read_bytes() == native["tow"].path.read_bytes()
+
+
+def test_kernels_edited_since_the_process_started_are_not_exported_under_the_old_name(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(jit, "source_hash", lambda: "another")
+    with pytest.raises(RuntimeError, match="the kernels' sources have changed"):
+        export.export("tow", object_code.GENERIC["tow"])
+
+
+def test_without_a_compiler_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture):
+    monkeypatch.setattr(build, "compiler", lambda: None)
+    with pytest.raises(ParameterError, match=r"C compiler = none: must be cc, gcc or clang on 64-bit Linux\. Install one"):
+        build.build_native("tow", tmp_path / "TowCable.fmu")
+    assert build.build_all(tmp_path) == []
+    assert capsys.readouterr().err == "No native FMUs: they need Linux and a C compiler (cc, gcc or clang).\n"
