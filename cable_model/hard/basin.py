@@ -46,15 +46,15 @@ def scatter(period: float, harmonics: int = 14) -> float:
     return float(np.sqrt(np.mean(rest**2)) / np.ptp(measured))
 
 
-def cycles(run: Record) -> np.ndarray:
+def cycles(tension: np.ndarray) -> np.ndarray:
     """Tension of the last cycles, a row each, N."""
-    return run["top.tension"][1:].reshape(BASIN_CYCLES, -1)[-LAST:]
+    return tension[1:].reshape(BASIN_CYCLES, -1)[-LAST:]
 
 
-def overlay(run: Record, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def overlay(tension: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times, measured series and the run's mean cycle at the phase that fits best: where the measurement began is not known."""
     times, measured = series(period)
-    cycle = cycles(run).mean(axis=0)
+    cycle = cycles(tension).mean(axis=0)
     phase = np.arange(1, cycle.size + 1) / cycle.size
     shifts = np.linspace(0.0, 1.0, 500, endpoint=False)
     ours = [np.interp((times / period + shift) % 1.0, phase, cycle, period=1.0) for shift in shifts]
@@ -65,15 +65,15 @@ def overlay(run: Record, period: float) -> tuple[np.ndarray, np.ndarray, np.ndar
 def findings(runs: Runs) -> list[Finding]:
     """Mean cycle maxima at all measured conditions; the tension is lost in fast cycles; the series against the measured ones."""
     table = maxima()
-    ours = np.array([cycles(runs[basin_label(radius, period)]).max(axis=1).mean() for radius, period, _ in table])
+    ours = np.array([cycles(runs[basin_label(radius, period)]["top.tension"]).max(axis=1).mean() for radius, period, _ in table])
     error = float(np.sqrt(np.mean((ours - table[:, 2]) ** 2)))
-    lost = float(cycles(runs[basin_label(0.2, 1.25)]).min(axis=1).max())
+    lost = float(cycles(runs[basin_label(0.2, 1.25)]["top.tension"]).min(axis=1).max())
     found = [
         Finding("+", error, 1.5, error <= 1.5, "rms error of the mean cycle maximum over 18 conditions, N"),
         Finding("+", lost, 1.0, lost <= 1.0, "largest of the cycle minima at 0.2 m and 1.25 s, N"),
     ]
     for period, limit in zip(WITH_SERIES, (0.077, 0.048), strict=True):
-        _, measured, values = overlay(runs[basin_label(0.2, period)], period)
+        _, measured, values = overlay(runs[basin_label(0.2, period)]["top.tension"], period)
         miss = float(np.sqrt(np.mean((values - measured) ** 2)) / np.ptp(measured))
         found.append(Finding("+", miss, limit, miss <= limit, f"rms difference from the measured series at {period:g} s over its range"))
     return found
@@ -83,7 +83,7 @@ def draw(path: Path, runs: Runs) -> None:
     """Both measured series with the runs over them, and all mean cycle maxima against the measured ones."""
     figure, axes = plt.subplot_mosaic([["1.25", "1.25"], ["3.5", "3.5"], ["maxima", "text"]], figsize=(9, 8))
     for period in WITH_SERIES:
-        times, measured, values = overlay(runs[basin_label(0.2, period)], period)
+        times, measured, values = overlay(runs[basin_label(0.2, period)]["top.tension"], period)
         shown = times <= 6.0 * min(period, 2.5)
         axis = axes[f"{period:g}"]
         axis.plot(times[shown], measured[shown], color="black", linewidth=1.0, label="measured")
@@ -97,7 +97,7 @@ def draw(path: Path, runs: Runs) -> None:
         axis.plot(
             [row[1] for row in rows], [row[2] for row in rows], color="black", marker=marker, linestyle="none", markerfacecolor="none"
         )
-        ours = [cycles(runs[basin_label(radius, row[1])]).max(axis=1).mean() for row in rows]
+        ours = [cycles(runs[basin_label(radius, row[1])]["top.tension"]).max(axis=1).mean() for row in rows]
         axis.plot([row[1] for row in rows], ours, color="tab:red", marker=".", linewidth=0.8)
     axis.set(xlabel="period [s]", ylabel="mean cycle maximum [N]", title="open: measured; red: CableChain")
     axis.grid(alpha=0.3)

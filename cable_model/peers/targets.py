@@ -178,7 +178,7 @@ def basin_chain() -> Outcome:
         changes = variants[basin_label(0.2, period)].changes
         scene = with_values(load("basin_chain"), {**changes, "run.output_step": changes["solver.time_step"]})
         run, cost = _run(scene)
-        _, measured, ours = basin.overlay({"top.tension": run.tension}, period)
+        _, measured, ours = basin.overlay(run.tension, period)
         costs.append(cost)
         miss = float(np.sqrt(np.mean((ours - measured) ** 2)) / np.ptp(measured))
         sought.append(Sought(f"series at {period:g} s, rms over its range", miss, limit))
