@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -14,7 +15,7 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 
 from cable_model.signals import INPUTS, OUTPUTS
 
-__all__ = ["FMICallException", "Fmu", "Instance", "assert_same", "sway"]
+__all__ = ["FMICallException", "Fmu", "Instance", "assert_same", "recovers", "started", "sway", "undisturbed_runs"]
 
 _numbers = itertools.count()
 
@@ -106,3 +107,32 @@ class Instance:
     def close(self) -> None:
         self.slave.terminate()
         self.slave.freeInstance()
+
+
+def started(fmu: Fmu, values: dict[str, Any] | None = None, steps: int = 5) -> Instance:
+    """An instance after some steps, its log emptied."""
+    instance = fmu.instance()
+    instance.initialize(values, sway(0.0))
+    instance.run(steps)
+    instance.messages.clear()
+    return instance
+
+
+def undisturbed_runs(fmus: Mapping[str, Fmu]) -> dict[str, np.ndarray]:
+    """Ten steps of each FMU that nobody disturbs, by the file's name."""
+    found = {}
+    for fmu in fmus.values():
+        instance = fmu.instance()
+        instance.initialize(None, sway(0.0))
+        found[fmu.path.stem] = instance.run(10)
+        instance.close()
+    return found
+
+
+def recovers(instance: Instance, expected: np.ndarray) -> None:
+    """It terminates, resets, and then runs as if nothing had been."""
+    instance.slave.terminate()
+    instance.slave.reset()
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(10), expected)
+    instance.close()

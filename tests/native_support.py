@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fmu_support import Fmu, Instance, sway
+from fmu_support import Fmu
 
 from cable_model.scene import Scene
 from fmu_src.interface import table
@@ -23,14 +23,6 @@ only_where_they_run = [
 def values_of(scene: Scene) -> dict[str, Any]:
     """The parameter values that make a generic FMU simulate a scene."""
     return {row.name: row.start for row in table(scene) if row.causality == "parameter"}
-
-
-def started(fmu: Fmu, values: dict[str, Any] | None = None, steps: int = 5) -> Instance:
-    instance = fmu.instance()
-    instance.initialize(values, sway(0.0))
-    instance.run(steps)
-    instance.messages.clear()
-    return instance
 
 
 def library_of(fmu: Fmu) -> Path:

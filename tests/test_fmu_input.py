@@ -11,7 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, Instance, sway
+from fmu_support import FMICallException, Fmu, recovers, started, sway, undisturbed_runs
 
 from cable_model.signals import INPUTS
 from fmu_src.interface import generic_scene
@@ -63,37 +63,13 @@ BAD_PARAMETERS = {
 
 @pytest.fixture(scope="module")
 def undisturbed(fmus: dict[str, Fmu]) -> dict[str, np.ndarray]:
-    """Ten steps of each FMU that nobody disturbs."""
-    found = {}
-    for fmu in fmus.values():
-        instance = fmu.instance()
-        instance.initialize(None, sway(0.0))
-        found[fmu.path.stem] = instance.run(10)
-        instance.close()
-    return found
-
-
-def recovers(instance: Instance, expected: np.ndarray) -> None:
-    """It terminates, resets, and then runs as if nothing had been."""
-    instance.slave.terminate()
-    instance.slave.reset()
-    instance.initialize(None, sway(0.0))
-    assert np.array_equal(instance.run(10), expected)
-    instance.close()
-
-
-def running(fmu: Fmu) -> Instance:
-    instance = fmu.instance()
-    instance.initialize(None, sway(0.0))
-    instance.run(5)
-    instance.messages.clear()
-    return instance
+    return undisturbed_runs(fmus)
 
 
 @pytest.mark.parametrize("case", BAD_STEPS)
 def test_a_bad_step_is_one_error_that_names_the_rule(fmu: Fmu, undisturbed: dict[str, np.ndarray], capfd: pytest.CaptureFixture, case: str):
     time, step, inputs, text = BAD_STEPS[case]
-    instance = running(fmu)
+    instance = started(fmu)
     before = instance.outputs()
     with pytest.raises(FMICallException):
         instance.step(time, step, inputs)
@@ -104,7 +80,7 @@ def test_a_bad_step_is_one_error_that_names_the_rule(fmu: Fmu, undisturbed: dict
 
 
 def test_after_a_bad_input_the_same_step_can_be_taken_with_a_good_one(fmu: Fmu, undisturbed: dict[str, np.ndarray]):
-    instance = running(fmu)
+    instance = started(fmu)
     with pytest.raises(FMICallException):
         instance.step(5 * STEP, STEP, with_input("top.x", math.nan))
     assert np.array_equal(instance.run(5, first=5), undisturbed[fmu.path.stem][5:])
@@ -123,7 +99,7 @@ def test_a_bad_parameter_is_one_error_when_initialization_ends(fmu: Fmu, undistu
 
 @pytest.mark.parametrize("name", ["top.vx", "top.x"])
 def test_a_top_of_a_million_metres_a_second_is_refused(fmu: Fmu, undisturbed: dict[str, np.ndarray], name: str):
-    instance = running(fmu)
+    instance = started(fmu)
     with pytest.raises(FMICallException):
         instance.step(5 * STEP, STEP, with_input(name, 1e6))
     (error,) = instance.errors
@@ -134,7 +110,7 @@ def test_a_top_of_a_million_metres_a_second_is_refused(fmu: Fmu, undisturbed: di
 
 def test_a_failed_step_is_an_error_that_lasts_until_reset_or_restore(fmus: dict[str, Fmu], undisturbed: dict[str, np.ndarray]):
     """TowCable keeps to its plane: leaving it is a failure of the step, not of an input."""
-    instance = running(fmus["tow"])
+    instance = started(fmus["tow"])
     state = instance.slave.getFMUstate()
     with pytest.raises(FMICallException):
         instance.step(5 * STEP, STEP, with_input("top.vy", 0.5))
@@ -177,7 +153,7 @@ def test_calls_out_of_turn_are_errors(fmu: Fmu, undisturbed: dict[str, np.ndarra
 
 
 def test_unknown_references_and_wrong_types_are_errors_never_numbers(fmu: Fmu, undisturbed: dict[str, np.ndarray]):
-    instance = running(fmu)
+    instance = started(fmu)
     nodes = fmu.references["solver.nodes"]
     for call in (
         lambda: instance.slave.getReal([12345]),
@@ -205,7 +181,7 @@ def test_unknown_references_and_wrong_types_are_errors_never_numbers(fmu: Fmu, u
 
 
 def test_a_state_that_was_changed_is_refused(fmu: Fmu, undisturbed: dict[str, np.ndarray], capfd: pytest.CaptureFixture):
-    instance = running(fmu)
+    instance = started(fmu)
     data = instance.slave.serializeFMUstate(instance.slave.getFMUstate())
     advice = "Restore only what the same FMU has saved."
     for bad, text in (
@@ -227,7 +203,7 @@ def test_a_state_of_another_fmu_is_refused(fmus: dict[str, Fmu], build_fmu: Modu
     other = Fmu(build_fmu.build("chain", generic_scene(), tmp_path / "Other.fmu"), tmp_path / "x").instance()
     other.initialize()
     data = other.slave.serializeFMUstate(other.slave.getFMUstate())
-    instance = running(fmus["chain"])
+    instance = started(fmus["chain"])
     with pytest.raises(FMICallException):
         instance.slave.deSerializeFMUstate(data)
     assert "saved state: must be of this build of the FMU." in capfd.readouterr().err

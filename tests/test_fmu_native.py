@@ -11,8 +11,8 @@ import fmpy
 import numba
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, Instance, assert_same, sway
-from native_support import KEYS, library_of, only_where_they_run, started, values_of
+from fmu_support import FMICallException, Fmu, Instance, assert_same, started, sway
+from native_support import KEYS, library_of, only_where_they_run, values_of
 from test_fmu_input import STEP
 
 from cable_model.effects import effects, one_line

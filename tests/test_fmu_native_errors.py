@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, Instance, sway
-from native_support import only_where_they_run, started
+from fmu_support import FMICallException, Fmu, recovers, started, sway, undisturbed_runs
+from native_support import only_where_they_run
 from test_fmu_input import BAD_PARAMETERS, BAD_STEPS, STEP
 
 from cable_model.models import MODELS
@@ -22,22 +22,7 @@ def fmu(request: pytest.FixtureRequest, native: dict[str, Fmu]) -> Fmu:
 
 @pytest.fixture(scope="module")
 def undisturbed(native: dict[str, Fmu]) -> dict[str, np.ndarray]:
-    found = {}
-    for fmu in native.values():
-        instance = fmu.instance()
-        instance.initialize(None, sway(0.0))
-        found[fmu.path.stem] = instance.run(10)
-        instance.close()
-    return found
-
-
-def recovers(instance: Instance, expected: np.ndarray) -> None:
-    """It terminates, resets, and then runs as if nothing had been."""
-    instance.slave.terminate()
-    instance.slave.reset()
-    instance.initialize(None, sway(0.0))
-    assert np.array_equal(instance.run(10), expected)
-    instance.close()
+    return undisturbed_runs(native)
 
 
 @pytest.mark.parametrize("case", BAD_STEPS)
