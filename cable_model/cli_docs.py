@@ -55,12 +55,12 @@ def _must_have(*packages: str) -> None:
 
 def _targets(folder: Path, quick: bool) -> None:
     _must_have("moordyn")
-    cli_studies.targets(folder / "targets.md")
+    cli_studies.targets(folder / "targets.md", quick)
 
 
 def _peers(folder: Path, quick: bool) -> None:
     _must_have("moordyn", "cabledyn")
-    cli_studies.peers([QUICK_PEER] if quick else None, folder / "peers.md")
+    cli_studies.peers([QUICK_PEER] if quick else None, folder / "peers.md", quick)
 
 
 def _hard(folder: Path, quick: bool) -> None:

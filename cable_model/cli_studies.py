@@ -189,18 +189,21 @@ def published(
 def peers(
     case: Annotated[list[str] | None, typer.Option(help="cases by their names; default: all")] = None,
     output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="one accuracy, and few segments of the other codes")] = False,
 ) -> None:
-    """Compare cost at equal accuracy with MoorDyn, where it is installed (extra "peers")."""
+    """Compare cost at equal accuracy with MoorDyn and CableDyn (extra "peers")."""
     from cable_model.peers import compare as comparing
 
     for name in case or []:
         if name not in comparing.CASES:
             raise unknown(name, comparing.CASES, "case")
+    accuracies, segments = comparing.ACCURACIES[: 1 if quick else None], comparing.SEGMENTS[: 2 if quick else None]
     rows = []
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("peers", total=None)
         for name in case or comparing.CASES:
-            rows += comparing.compare(name, told=lambda text, name=name: bar.update(task, description=f"{name}: {text}"))  # type: ignore[misc]
+            told = lambda text, name=name: bar.update(task, description=f"{name}: {text}")  # type: ignore[misc]  # noqa: E731
+            rows += comparing.compare(name, accuracies, segments, told)
     text = comparing.markdown(rows)
     console.print(text)
     if output is not None:
@@ -211,13 +214,14 @@ def peers(
 
 def targets(
     output: Annotated[Path, typer.Option("-o", "--output", help="the table to write, Markdown")] = Path("results/targets.md"),
+    quick: Annotated[bool, typer.Option("--quick", help="the free chain only")] = False,
 ) -> None:
     """Measure what the chain reaches in the cases of four other codes, at costs set beside theirs (extra "peers")."""
     from cable_model.peers import targets as sought
 
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("targets", total=None)
-        text = sought.markdown(sought.measure(lambda words: bar.update(task, description=words)))
+        text = sought.markdown(sought.measure(quick, lambda words: bar.update(task, description=words)))
     console.print(text, soft_wrap=True)
     output.parent.mkdir(parents=True, exist_ok=True)
     output.write_text(text, encoding="utf-8")

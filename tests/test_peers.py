@@ -44,7 +44,7 @@ def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
     def cannot(scene, segments, step):
         raise deck.NotTranslated("it cannot let go")
 
-    monkeypatch.setattr(compare, "CODES", {"theirs": (cannot, lambda scene: [(5, 0.01)])})
+    monkeypatch.setattr(compare, "CODES", {"theirs": (cannot, lambda scene, segments: [0.01])})
     short = compare.Case("free_chain", {**compare.FREE, "cable.axial_stiffness": 1e4, "run.duration": 0.5}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], told=lambda line: None)

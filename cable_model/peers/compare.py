@@ -78,27 +78,27 @@ def _highest_frequency(scene: Scene, segments: int) -> float:
     return 2.0 * math.sqrt(cable.axial_stiffness / cable.mass_per_length) * segments / cable.length
 
 
-def _moordyn_settings(scene: Scene) -> list[tuple[int, float]]:
-    return [(n, share / _highest_frequency(scene, n)) for n in SEGMENTS for share in COURANT]
+def _moordyn_steps(scene: Scene, segments: int) -> list[float]:
+    return [share / _highest_frequency(scene, segments) for share in COURANT]
 
 
-def _cabledyn_settings(scene: Scene) -> list[tuple[int, float]]:
-    return [(n, share * scene.run.output_step) for n in SEGMENTS for share in IMPLICIT_STEPS]
+def _cabledyn_steps(scene: Scene, segments: int) -> list[float]:
+    return [share * scene.run.output_step for share in IMPLICIT_STEPS]
 
 
-CODES: Mapping[str, tuple[Callable[[Scene, int, float], Timed], Callable[[Scene], list[tuple[int, float]]]]] = {
-    "MoorDyn": (moordyn.run, _moordyn_settings),
-    "CableDyn": (cabledyn.run, _cabledyn_settings),
+CODES: Mapping[str, tuple[Callable[[Scene, int, float], Timed], Callable[[Scene, int], list[float]]]] = {
+    "MoorDyn": (moordyn.run, _moordyn_steps),
+    "CableDyn": (cabledyn.run, _cabledyn_steps),
 }
 
 
-def _runs(code: str, scene: Scene, told: Callable[[str], None]) -> tuple[list[Run], str]:
+def _runs(code: str, scene: Scene, numbers: Sequence[int], told: Callable[[str], None]) -> tuple[list[Run], str]:
     """All runs of a code that take no longer than LONGEST, and how long the first too long one would have taken, or why it cannot run."""
-    run, settings = CODES[code]
+    run, steps = CODES[code]
     done: list[Run] = []
     left_out = ""
     short = with_values(scene, {"run.duration": max(PROBE * scene.run.duration, 2.0 * scene.run.output_step)})
-    for segments, step in settings(scene):
+    for segments, step in ((n, step) for n in numbers for step in steps(scene, n)):
         words = f"{segments} segments, step {step:.2g} s"
         told(f"{code}: {words}")
         try:
@@ -126,11 +126,13 @@ def _cheapest(runs: Sequence[Run], accuracy: float, signals: tuple[str, ...]) ->
     return "", math.inf, f"its runs differ from its finest ({finest.words}) by {100.0 * least:.2g} % or more"
 
 
-def compare(case: str, accuracies: Sequence[float] = ACCURACIES, told: Callable[[str], None] = print) -> list[Row]:
-    """Rows of a case.  Times are medians of REPETITIONS runs, of the steps alone, all in this process."""
+def compare(
+    case: str, accuracies: Sequence[float] = ACCURACIES, segments: Sequence[int] = SEGMENTS, told: Callable[[str], None] = print
+) -> list[Row]:
+    """Rows of a case, the peers with `segments`.  Times are medians of REPETITIONS runs, of the steps alone, all in this process."""
     chosen = CASES[case]
     scene, signals = chosen.load(), chosen.signals
-    theirs = {code: _runs(code, scene, told) for code in CODES}
+    theirs = {code: _runs(code, scene, segments, told) for code in CODES}
     rows = []
     for accuracy in accuracies:
         advice = advise(scene, accuracy, signals, progress=told)
