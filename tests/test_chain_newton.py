@@ -202,10 +202,9 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         assert after < 5.0 * before**2 + 1e-10
 
 
-@pytest.mark.parametrize("nodes", [26, 101, 401])
+@pytest.mark.parametrize("nodes", [26, 101, 401, 1001])
 def test_smooth_motion_takes_little_more_than_one_iteration_a_step_on_every_mesh(nodes):
     scene = make(HANGING, solver__lambda_infinity=-0.9, solver__nodes=nodes)
     run = drive(scene, every(0.01, 6.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
     assert run["solver.newton_iterations"][-1] <= 1.75 * run["solver.steps"][-1]
-    assert run["solver.rejected_steps"][-1] == 0
     assert run["solver.rejected_steps"][-1] == 0
