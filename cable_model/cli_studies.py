@@ -204,11 +204,11 @@ def peers(
         for name in case or comparing.CASES:
             told = lambda text, name=name: bar.update(task, description=f"{name}: {text}")  # type: ignore[misc]  # noqa: E731
             rows += comparing.compare(name, accuracies, segments, told)
-    text = comparing.markdown(rows)
-    console.print(text)
+            if output is not None:  # what is done is kept
+                output.parent.mkdir(parents=True, exist_ok=True)
+                output.write_text(comparing.markdown(rows), encoding="utf-8")
+    console.print(comparing.markdown(rows))
     if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
         console.print(f"wrote {output}")
 
 
