@@ -50,7 +50,7 @@ import importlib
 from pathlib import Path
 
 import {staging} as staging
-from pythonfmu import Fmi2Slave  # noqa: F401 (pythonfmu looks for it)
+from pythonfmu import Fmi2Slave  # pythonfmu looks for it here
 
 staging.load("{kernels}", Path(__file__).parent)
 staging.load("{package}", Path(__file__).parent)

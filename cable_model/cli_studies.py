@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 from rich.table import Table
 
 from cable_model.errors import ParameterError, refuse, unknown
@@ -39,6 +40,21 @@ def fraction(text: str) -> float:
     if not 0.0 < value < 1.0:
         raise refuse("accuracy", text, "", "between 0 and 100 %", "Give one such as 1% or 0.003.")
     return value
+
+
+def _teller(bar: Progress, task: TaskID, before: str = "") -> Callable[[str], None]:
+    """Shows what is being done beside the bar."""
+
+    def told(text: str) -> None:
+        bar.update(task, description=before + text)
+
+    return told
+
+
+def _save(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, encoding="utf-8")
+    console.print(f"wrote {path}")
 
 
 def study(
@@ -133,15 +149,11 @@ def advise_trial(
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("trial", total=len(names))
         for name in names:
-            told = lambda text, name=name: bar.update(task, description=f"{name}: {text}")  # noqa: E731
-            rows.append(advice_trial.trial(name, advice_scenes.scene(name), told, quick))
+            rows.append(advice_trial.trial(name, advice_scenes.scene(name), _teller(bar, task, f"{name}: "), quick))
             bar.update(task, advance=1)
             bar.console.print(" | ".join(advice_trial.cells(rows[-1])), highlight=False)
-    text = advice_trial.markdown(rows)
     if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(text, encoding="utf-8")
-        console.print(f"wrote {output}")
+        _save(output, advice_trial.markdown(rows))
     if not all(row.accurate and row.cheap for row in rows):
         raise typer.Exit(1)
 
@@ -160,8 +172,7 @@ def sweep(
     wanted = sweeping.jobs(*sweeping.read(file))
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task(f"{len(wanted)} runs", total=len(wanted))
-        told = lambda done: bar.update(task, completed=done)  # noqa: E731
-        summaries = sweeping.run(wanted, output, workers or os.cpu_count() or 1, told, scheduler)
+        summaries = sweeping.run(wanted, output, workers or os.cpu_count() or 1, lambda done: bar.update(task, completed=done), scheduler)
     sweeping.write_table(output / "table.csv", summaries)
     failed = [summary for summary in summaries if summary["error"]]
     console.print(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
@@ -179,8 +190,7 @@ def published(
 
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("published", total=1.0)
-        told = lambda text, done: bar.update(task, description=text, completed=done)  # noqa: E731
-        written = catalogue.write_all(output, only or (), quick, told)
+        written = catalogue.write_all(output, only or (), quick, lambda text, done: bar.update(task, description=text, completed=done))
     for path in written:
         console.print(f"wrote {path} and {path.with_suffix('.csv').name}")
     console.print(f"wrote {output / 'README.md'}")
@@ -202,14 +212,10 @@ def peers(
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("peers", total=None)
         for name in case or comparing.CASES:
-            told = lambda text, name=name: bar.update(task, description=f"{name}: {text}")  # type: ignore[misc]  # noqa: E731
-            rows += comparing.compare(name, accuracies, segments, told)
-            if output is not None:  # what is done is kept
-                output.parent.mkdir(parents=True, exist_ok=True)
-                output.write_text(comparing.markdown(rows), encoding="utf-8")
+            rows += comparing.compare(name, accuracies, segments, _teller(bar, task, f"{name}: "))
+            if output is not None:  # every case that is done is kept
+                _save(output, comparing.markdown(rows))
     console.print(comparing.markdown(rows))
-    if output is not None:
-        console.print(f"wrote {output}")
 
 
 def targets(
@@ -221,11 +227,9 @@ def targets(
 
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("targets", total=None)
-        text = sought.markdown(sought.measure(quick, lambda words: bar.update(task, description=words)))
+        text = sought.markdown(sought.measure(quick, _teller(bar, task)))
     console.print(text, soft_wrap=True)
-    output.parent.mkdir(parents=True, exist_ok=True)
-    output.write_text(text, encoding="utf-8")
-    console.print(f"wrote {output}")
+    _save(output, text)
 
 
 def limits(
@@ -237,7 +241,6 @@ def limits(
 
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("limits", total=None)
-        found = report.measure(quick, lambda text: bar.update(task, description=text))
-    report.write(output, found)
-    console.print(report.markdown(found), soft_wrap=True)
-    console.print(f"wrote {output}")
+        text = report.markdown(report.measure(quick, _teller(bar, task)))
+    console.print(text, soft_wrap=True)
+    _save(output, text)

@@ -26,6 +26,14 @@ class Result:
         return self.table[:, self.columns.index(name)]
 
 
+class RunStopped(SolverError):
+    """The SolverError of a run; `result` has the rows before it."""
+
+    def __init__(self, text: str, result: Result) -> None:
+        super().__init__(text)
+        self.result = result
+
+
 COLUMNS = ("time", *INPUTS, *OUTPUTS)
 
 
@@ -52,7 +60,7 @@ def simulate(
     """Run a model over its scene's duration and return the series at its output step.
 
     `motion` replaces the scene's top motion; `progress` is told the time after every step, `keep` every row as soon as it is
-    there, so that a failed run keeps what came before.  Raises SolverError, with the rows so far in its `result`.
+    there, so that a failed run keeps what came before.  Raises RunStopped, which has the rows so far.
     """
     scene = model.scene
     duration = scene.run.duration if duration is None else duration
@@ -80,6 +88,5 @@ def simulate(
             if progress is not None:
                 progress(end_time)
     except SolverError as error:
-        error.result = Result(COLUMNS, np.array(rows), np.array(shapes))  # type: ignore[attr-defined]
-        raise
+        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes))) from error
     return Result(COLUMNS, np.array(rows), np.array(shapes))

@@ -15,7 +15,18 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 
 from cable_model.signals import INPUTS, OUTPUTS
 
-__all__ = ["FMICallException", "Fmu", "Instance", "assert_same", "recovers", "started", "sway", "undisturbed_runs"]
+__all__ = [
+    "FMICallException",
+    "Fmu",
+    "Instance",
+    "assert_same",
+    "outputs_wait_for_the_end_of_initialization",
+    "recovers",
+    "refused",
+    "started",
+    "sway",
+    "undisturbed_runs",
+]
 
 _numbers = itertools.count()
 
@@ -135,4 +146,27 @@ def recovers(instance: Instance, expected: np.ndarray) -> None:
     instance.slave.reset()
     instance.initialize(None, sway(0.0))
     assert np.array_equal(instance.run(10), expected)
+    instance.close()
+
+
+def refused(fmu: Fmu, values: Mapping[str, Any], text: str) -> Instance:
+    """An instance that said this one error at the end of its initialization."""
+    instance = fmu.instance()
+    with pytest.raises(FMICallException, match="fmi2ExitInitializationMode"):
+        instance.initialize(values)
+    assert instance.errors == [text]
+    return instance
+
+
+def outputs_wait_for_the_end_of_initialization(fmu: Fmu) -> None:
+    """They can be read before, and depend on no input that was set since it began."""
+    instance = fmu.instance()
+    instance.slave.setupExperiment(startTime=0.0)
+    instance.slave.enterInitializationMode()
+    before = instance.outputs()
+    instance.set({"top.x": 5.0})
+    assert np.array_equal(instance.outputs(), before)
+    assert before[OUTPUTS.index("top.tension")] > 0.0
+    instance.slave.exitInitializationMode()
+    assert instance.get("body.x") == pytest.approx(5.0, abs=1e-9)
     instance.close()

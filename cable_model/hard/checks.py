@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -24,7 +25,7 @@ def folded_fall(runs: Runs) -> list[Finding]:
             return [np.sqrt(g * x[0] * (2.0 * length - x[0]) / (length - x[0]))]
 
         small = 1e-8 * length  # at rest the root has a second branch
-        path = solve_ivp(rate, (np.sqrt(small / g), 1.0), [small], events=_at(0.95 * length), rtol=1e-9, atol=1e-12, dense_output=True)
+        path = solve_ivp(rate, (np.sqrt(small / g), 1.0), [small], events=_Reaches(0.95 * length), rtol=1e-9, atol=1e-12, dense_output=True)
         end = path.t_events[0][0]
         times = run.times[(run.times > 0.02) & (run.times <= end)]
         fallen = run.body[0, 2] - np.interp(times, run.times, run.body[:, 2])
@@ -36,12 +37,15 @@ def folded_fall(runs: Runs) -> list[Finding]:
     return found
 
 
-def _at(place: float) -> Callable[[float, np.ndarray], float]:
-    def event(t: float, x: np.ndarray) -> float:
-        return float(x[0] - place)
+@dataclass(frozen=True)
+class _Reaches:
+    """The event that ends an integration where x comes to a place."""
 
-    event.terminal = True  # type: ignore[attr-defined]
-    return event
+    place: float
+    terminal: bool = True  # as solve_ivp asks
+
+    def __call__(self, t: float, x: np.ndarray) -> float:
+        return float(x[0] - self.place)
 
 
 def peaks(runs: Runs) -> list[Finding]:

@@ -14,6 +14,7 @@ from cable_model.kernels import header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
+from cable_model.kernels.parts import Parts
 
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
 
@@ -113,9 +114,9 @@ class Ledger:
         return float(force @ v)
 
     @staticmethod
-    def _flow(parts: object, places: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+    def _flow(parts: Parts, places: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Velocity and acceleration of the water at places (k, D)."""
-        if parts.current is None and parts.waves is None:  # type: ignore[attr-defined]
+        if parts.current is None and parts.waves is None:
             return np.zeros_like(places), np.zeros_like(places)
-        found = [water_motion(parts, tuple(place), time)[:2] for place in places]  # type: ignore[attr-defined]
+        found = [water_motion(parts, tuple(place), time)[:2] for place in places]
         return np.array([f[0] for f in found]), np.array([f[1] for f in found])

@@ -64,17 +64,17 @@ class _Cutter(ast.NodeTransformer):
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
         for k, statement in enumerate(node.body):
-            if self._leaves(node.name, statement):
-                node.body = [*node.body[:k], *statement.body]  # type: ignore[attr-defined]
+            if isinstance(statement, ast.If) and self._leaves(node.name, statement):
+                node.body = [*node.body[:k], *statement.body]
                 self.cut += 1
                 break
         return node
 
     @staticmethod
-    def _leaves(function: str, statement: ast.stmt) -> bool:
-        if not isinstance(statement, ast.If) or statement.orelse or not isinstance(statement.body[-1], ast.Return):
+    def _leaves(function: str, choice: ast.If) -> bool:
+        if choice.orelse or not isinstance(choice.body[-1], ast.Return):
             return False
-        test = statement.test
+        test = choice.test
         if not isinstance(test, ast.Compare) or not isinstance(test.ops[0], ast.Is) or ast.unparse(test.comparators[0]) != "None":
             return False
         part = ast.unparse(test.left).removeprefix("parts.")

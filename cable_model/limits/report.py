@@ -8,7 +8,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 from cable_model.limits import measuring
 from cable_model.studies.work_precision import machine
@@ -38,12 +38,12 @@ class Limits:
     growth: Sequence[tuple[int, float, float]]
 
 
-def _asked(module: str, cases: Sequence[str], environment: Mapping[str, str]) -> dict[str, dict[str, float]]:
+def _asked(module: str, cases: Sequence[str], environment: Mapping[str, str]) -> Any:
+    """What a module of this package prints as JSON for the cases, in a process of its own."""
     done = subprocess.run(
         [sys.executable, "-m", module, *cases], env={**os.environ, **environment}, capture_output=True, text=True, check=True
     )
-    found: dict[str, dict[str, float]] = json.loads(done.stdout)
-    return found
+    return json.loads(done.stdout)
 
 
 def measure(quick: bool = False, told: Callable[[str], None] = print) -> Limits:
@@ -56,7 +56,7 @@ def measure(quick: bool = False, told: Callable[[str], None] = print) -> Limits:
     scalar: Mapping[str, float] = {}
     if not quick:
         told("times of a scalar build")
-        scalar = _asked("cable_model.limits.measuring", cases, SCALAR)  # type: ignore[assignment]
+        scalar = _asked("cable_model.limits.measuring", cases, SCALAR)
     told("growth with the nodes")
     growth = measuring.growth((26, 51), 0.5) if quick else measuring.growth()
     return Limits(counts, vector, scalar, measuring.machine_rates(), growth)
@@ -119,8 +119,3 @@ def markdown(found: Limits) -> str:
         ),
     ]
     return "\n".join(lines) + "\n"
-
-
-def write(path: Path, found: Limits) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(markdown(found), encoding="utf-8")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from cable_model.peers import cabledyn, deck, moordyn
 from cable_model.scene import Scene, load, with_values
@@ -108,7 +109,8 @@ def _runs(code: str, scene: Scene, numbers: Sequence[int], told: Callable[[str],
         if expected > LONGEST:
             left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
             continue
-        done.append(Run(words, lambda n=segments, h=step: run(scene, n, h), run(scene, segments, step)))  # type: ignore[misc]
+        again = partial(run, scene, segments, step)
+        done.append(Run(words, again, again()))
     return done, left_out
 
 
