@@ -45,7 +45,7 @@ def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
         raise deck.NotTranslated("it cannot let go")
 
     monkeypatch.setattr(compare, "CODES", {"theirs": (cannot, lambda scene, segments: [0.01])})
-    short = compare.Case("free_chain", {**compare.FREE, "cable.axial_stiffness": 1e4, "run.duration": 0.5}, ("position",))
+    short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], told=lambda line: None)
     assert row.why == "it cannot let go"

@@ -10,11 +10,12 @@ from cable_model.peers import deck
 from cable_model.scene import Scene
 from cable_model.studies.timed import Timed
 
+LONGEST_RELAXATION = 60.0  # s
 MOST_PIECES = 20  # of an output step: the point keeps its velocity over each, and jumps of it make waves
 
 
-def run(scene: Scene, segments: int, step: float, settle: float = 60.0) -> Timed:
-    """Run a scene with RK4; `settle`: seconds of MoorDyn's own relaxation before the start, which are not timed.
+def run(scene: Scene, segments: int, step: float) -> Timed:
+    """Run a scene with RK4, after MoorDyn's own relaxation of at most twice the run, which is not timed.
 
     Raises ParameterError where MoorDyn is not installed, and for effects that are not translated.
     """
@@ -23,7 +24,8 @@ def run(scene: Scene, segments: int, step: float, settle: float = 60.0) -> Timed
     except ImportError as absent:
         raise ParameterError("moordyn: not installed. Install it with pip install 'cable-fmu[peers]'.") from absent
     deck.refuse_untranslated(scene, "MoorDyn")
-    options = ("0 writeLog", f"{step} dtM", "RK4 tScheme", "0 kBot", "0 cBot", f"{settle} TmaxIC", "0.1 dtIC", "10 CdScaleIC",
+    relaxation = min(LONGEST_RELAXATION, 2.0 * scene.run.duration)
+    options = ("0 writeLog", f"{step} dtM", "RK4 tScheme", "0 kBot", "0 cBot", f"{relaxation} TmaxIC", "0.1 dtIC", "10 CdScaleIC",
                "1e-6 threshIC")  # fmt: skip
     start = top_motion(scene.top)(0.0, 1)
     with deck.written(deck.text(scene, segments, options)) as path:

@@ -14,6 +14,7 @@ from cable_model.hard import basin
 from cable_model.hard.cases import BASIN, basin_label
 from cable_model.motion import top_motion
 from cable_model.peers import moordyn
+from cable_model.peers.compare import SHIFT, SHIFT_TIME, SHIFTED
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.published import sphere
 from cable_model.studies.published.modes import beam_series, displaced_tip
@@ -27,13 +28,6 @@ REPETITIONS = 5
 YARDSTICK_SEGMENTS, YARDSTICK_STEP = 100, 1.25e-4
 YARDSTICK_COST, YARDSTICK_ERROR = 0.35, 1.9e-2  # processor seconds per simulated second and relative rms error, there
 
-SHIFT, SHIFT_TIME = 1e-3, 2.2  # m, s: of the free chain's top, which then stands still
-SHIFTED: Mapping[str, object] = {
-    "cable.bending_stiffness": 0.0, "lower_end.release_force": 0.0, "run.output_step": 0.1,
-    "top.motion": [
-        {"kind": "sinusoid", "axis": "x", "amplitude": SHIFT, "angular_frequency": 0.0, "phase": 0.5 * math.pi, "ramp_time": SHIFT_TIME}
-    ],
-}  # fmt: skip
 WIRE_PERIOD, WIRE_AMPLITUDE = 8.0, 2045.0  # s, N
 # a sphere of the body's volume with a drag coefficient of 1, and the added mass that the published first harmonic, 2160 N, asks for
 WIRE: Mapping[str, object] = {
