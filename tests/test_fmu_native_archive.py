@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -94,3 +95,12 @@ def test_without_a_compiler_the_error_says_what_to_install(monkeypatch: pytest.M
         build.build_native("tow", tmp_path / "TowCable.fmu")
     assert build.build_all(tmp_path) == []
     assert capsys.readouterr().err == "No native FMUs: they need Linux and a C compiler (cc, gcc or clang).\n"
+
+
+def test_no_name_in_the_object_code_counts_what_is_not_in_it(tmp_path: Path):
+    # numba names some constants by addresses: how many there are before optimization changes from process to process
+    path = tmp_path / "kernels.o"
+    path.write_bytes(object_code.object_code("tow", object_code.GENERIC["tow"]))
+    listed = subprocess.run(["nm", str(path)], capture_output=True, text=True, check=True).stdout
+    numbers = [int(name) for name in re.findall(r"^\S+ [a-z] _(\d+)$", listed, flags=re.MULTILINE)]
+    assert len(numbers) > 5 and sorted(numbers) == list(range(len(numbers)))
