@@ -24,8 +24,8 @@ def test_tip_of_the_displaced_chain_lags_behind_a_fast_shift_and_follows_a_slow_
 
 
 def test_fine_chain_follows_the_displaced_chains_series():
-    scene = targets._at("free_chain", targets.SHIFTED, 101, 0.0025, -1.0)
-    assert targets._shift_error(scene, timed(scene)) < 3e-4
+    scene = targets.scene_at("free_chain", targets.SHIFTED, 101, 0.0025, -1.0)
+    assert targets.shift_error(scene, timed(scene)) < 3e-4
 
 
 @pytest.mark.parametrize("case", [targets.free_chain, targets.sphere_on_cable, targets.wire])

@@ -83,7 +83,8 @@ class Targets:
         return self.yardstick_cost / YARDSTICK_COST
 
 
-def _at(name: str, changes: Mapping[str, object], nodes: int, step: float, lam: float = -0.9) -> Scene:
+def scene_at(name: str, changes: Mapping[str, object], nodes: int, step: float, lam: float = -0.9) -> Scene:
+    """A shipped scene with changes, at a setting."""
     return with_values(load(name), {**changes, "solver.nodes": nodes, "solver.time_step": step, "solver.lambda_infinity": lam})
 
 
@@ -104,7 +105,8 @@ def _relative(found: np.ndarray, expected: np.ndarray) -> float:
     return float(np.sqrt(np.mean((found - expected) ** 2)) / np.std(expected))
 
 
-def _shift_error(scene: Scene, run: Timed) -> float:
+def shift_error(scene: Scene, run: Timed) -> float:
+    """Relative rms error of the shifted free chain's tip, against its modal series."""
     motion = top_motion(scene.top)
     tip = run.position[:, 0] + np.array([motion(t, 1)[0] for t in run.times])
     return _relative(tip, SHIFT * displaced_tip(run.times, SHIFT_TIME))
@@ -114,18 +116,18 @@ def yardstick() -> tuple[float, float]:
     """Cost and error of MoorDyn's run."""
     scene = with_values(load("free_chain"), {**SHIFTED, "cable.axial_stiffness": 1e4})
     run = moordyn.run(scene, YARDSTICK_SEGMENTS, YARDSTICK_STEP)
-    return run.seconds / scene.run.duration, _shift_error(scene, run)
+    return run.seconds / scene.run.duration, shift_error(scene, run)
 
 
 def free_chain() -> Outcome:
-    scene = _at("free_chain", SHIFTED, 51, 0.1 / 18.0, -1.0)
+    scene = scene_at("free_chain", SHIFTED, 51, 0.1 / 18.0, -1.0)
     run, cost = _run(scene)
-    sought = (Sought("tip against the modal series, relative rms", _shift_error(scene, run), 1e-3),)
+    sought = (Sought("tip against the modal series, relative rms", shift_error(scene, run), 1e-3),)
     return Outcome("free chain, EA 1e9 weights", "WHOI Cable 4e-3 at 0.041", _setting(scene), sought, cost, 0.041 / 20.0)
 
 
 def release() -> Outcome:
-    scene = _at("free_chain", {}, 101, 0.0025, -0.5)
+    scene = scene_at("free_chain", {}, 101, 0.0025, -0.5)
     run, cost = _run(scene)
     miss = _relative(run.position[:, 0], beam_series(160, 1e-6).tip(run.times))
     sought = (Sought("tip against the beam's modal series, relative rms", miss, 0.01),)
@@ -133,7 +135,7 @@ def release() -> Outcome:
 
 
 def forced_chain() -> Outcome:
-    scene = _at("hanging_chain", {}, 41, 0.005)
+    scene = scene_at("hanging_chain", {}, 41, 0.005)
     reference = converge(scene, 1e-3)
     run, cost = _run(scene)
     found = reference.errors(run)
@@ -157,7 +159,7 @@ def sphere_on_cable() -> Outcome:
 
 
 def wire() -> Outcome:
-    scene = _at("hard/snap", WIRE, 11, 0.025)
+    scene = scene_at("hard/snap", WIRE, 11, 0.025)
     run, cost = _run(scene)
     cycles = run.tension[-round(3.0 * WIRE_PERIOD / scene.run.output_step) :]
     sought = (Sought("2045 N of amplitude, relative error", abs(0.5 * float(np.ptp(cycles)) / WIRE_AMPLITUDE - 1.0), 0.005),)
