@@ -59,3 +59,8 @@ def test_the_table_gives_the_ratio_or_says_that_it_was_not_reached():
     ]
     text = compare.markdown(rows)
     assert "| 20.0 | 3.0e-03 |" in text and "| it stopped | - | not reached |" in text
+
+
+def test_a_lone_run_has_nothing_to_be_judged_by():
+    lone = compare.Run("5 segments, step 1 s", lambda: ours, ours := timed(load("hanging_chain")))
+    assert compare._cheapest([lone], 0.01, ("position",)) == ("", math.inf, "nothing but 5 segments, step 1 s ran")

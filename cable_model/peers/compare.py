@@ -131,7 +131,9 @@ def _cheapest(runs: Sequence[Run], accuracy: float, signals: tuple[str, ...]) ->
     for _, run in sorted(found, key=lambda pair: pair[1].result.seconds):
         if worst(errors(run.result, finest.result, scale), signals) <= accuracy:
             return run.words, sorted(run.again().seconds for _ in range(REPETITIONS))[REPETITIONS // 2], ""
-    least = min((error for error, _ in found), default=math.inf)
+    if not found:
+        return "", math.inf, f"nothing but {finest.words} ran"
+    least = min(error for error, _ in found)
     return "", math.inf, f"its runs differ from its finest ({finest.words}) by {100.0 * least:.2g} % or more"
 
 
