@@ -3,9 +3,11 @@
 import math
 import sys
 
+import numpy as np
 import pytest
 
 from cable_model.errors import ParameterError
+from cable_model.hard.cases import BASIN, basin_label
 from cable_model.peers import compare, deck, moordyn
 from cable_model.scene import load, with_values
 from cable_model.studies.timed import Scale, errors, timed
@@ -18,7 +20,7 @@ def case(name):
 def test_a_missing_peer_is_named_with_what_to_do(monkeypatch):
     monkeypatch.setitem(sys.modules, "moordyn", None)
     with pytest.raises(ParameterError, match=r"cable-fmu\[peers\]"):
-        moordyn.run(case("C4 wire, 1 m at 10 s"), 5, 1e-3)
+        moordyn.run(case("C4 wire, 1 m at 10 s"), 5, 1e-3, 20)
 
 
 @pytest.mark.parametrize(("name", "tension", "position"), [("C4 wire, 1 m at 10 s", 0.04, 1e-4), ("C3 sphere, EA 22 N", 0.03, 0.005)])
@@ -26,7 +28,7 @@ def test_moordyn_and_the_chain_agree(name, tension, position):
     pytest.importorskip("moordyn")
     scene = case(name)
     ours = timed(with_values(scene, {"solver.nodes": 81, "solver.time_step": 0.0125}))
-    theirs = moordyn.run(scene, 10, 2e-3)
+    theirs = moordyn.run(scene, 10, 2e-3, 20)
     found = errors(theirs, ours, Scale.of(ours))
     assert not theirs.error
     assert found["tension"] < tension and found["position"] < position
@@ -35,16 +37,36 @@ def test_moordyn_and_the_chain_agree(name, tension, position):
 def test_what_is_not_translated_is_refused():
     pytest.importorskip("moordyn")
     with pytest.raises(ParameterError, match="bending"):
-        moordyn.run(load("towed_body").__class__(**{**vars(load("towed_body")), "current": load("hanging_chain").current}), 5, 1e-3)
-    with pytest.raises(ParameterError, match=r"anchor|seabed"):
-        moordyn.run(load("basin_chain"), 5, 1e-3)
+        moordyn.run(load("towed_body").__class__(**{**vars(load("towed_body")), "current": load("hanging_chain").current}), 5, 1e-3, 20)
+    with pytest.raises(ParameterError, match="seabed"):
+        deck.refuse_untranslated(load("basin_chain"), "CableDyn")
+
+
+@pytest.mark.parametrize(("period", "apart"), [(3.5, 0.02), (1.25, 0.045)])
+def test_moordyn_and_the_chain_agree_on_a_mooring_on_the_seabed(period, apart):
+    """Pull and slack, volume, drag and, in the fast motion, friction; a softer seabed lets MoorDyn's step be longer."""
+    pytest.importorskip("moordyn")
+    motion = {variant.label: variant for variant in BASIN}[basin_label(0.2, period)].changes
+    scene = with_values(load("basin_chain"), {**motion, "seabed.stiffness": 3e6, "run.output_step": 0.01})
+    ours, theirs = timed(scene), moordyn.run(scene, 20, 1e-3, 10)
+    assert not theirs.error
+    assert theirs.tension[0] == pytest.approx(ours.tension[0], rel=0.005)  # 20 segments; 0.2 % apart with 80
+    assert np.sqrt(np.mean((theirs.tension - ours.tension) ** 2)) < apart * np.ptp(ours.tension)  # without friction: 0.063 in the fast one
+
+
+def test_first_tension_of_moordyn_is_that_of_the_cables_end_as_the_others_are():
+    """Not that of the last segment's middle, which lacks the weight of half of it."""
+    pytest.importorskip("moordyn")
+    scene = with_values(case("C4 wire, 1 m at 10 s"), {"run.duration": 2.0})
+    theirs = moordyn.run(scene, 5, 2e-3, 20)
+    assert theirs.tension[0] == pytest.approx(theirs.tension[1], rel=1e-3)
 
 
 def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
-    def cannot(scene, segments, step):
+    def cannot(scene):
         raise deck.NotTranslated("it cannot let go")
 
-    monkeypatch.setattr(compare, "CODES", {"theirs": (cannot, lambda scene, segments: [0.01])})
+    monkeypatch.setattr(compare, "CODES", {"theirs": lambda scene, segments: [("5 segments", cannot)]})
     short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], told=lambda line: None)

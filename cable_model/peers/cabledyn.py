@@ -9,11 +9,9 @@ from cable_model.peers import deck
 from cable_model.scene import Scene
 from cable_model.studies.timed import Timed
 
-MOST_PIECES = 10_000  # of an output step: a call is one step
 
-
-def run(scene: Scene, segments: int, step: float) -> Timed:
-    """Run a scene from CableDyn's static equilibrium, with its default damping of high frequencies.
+def run(scene: Scene, segments: int, calls: int) -> Timed:
+    """Run a scene from CableDyn's static equilibrium, with its default damping of high frequencies, in `calls` steps an output step.
 
     Raises ParameterError where CableDyn is not installed, NotTranslated where it cannot run the scene.
     """
@@ -24,7 +22,6 @@ def run(scene: Scene, segments: int, step: float) -> Timed:
     deck.refuse_untranslated(scene, "CableDyn")
     if deck.let_go(scene):
         raise deck.NotTranslated("CableDyn cannot let go of a point through its Python interface.")
-    calls = deck.pieces(scene, step, MOST_PIECES)
     outputs = max(1, round(scene.run.duration / scene.run.output_step))
     # it wants a whole number of its steps
     options = (f"{scene.run.output_step / calls} dtM", f"{outputs * scene.run.output_step} TMax", "1e4 kBot", "0 cBot")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -16,7 +17,8 @@ from cable_model.studies.work_precision import machine
 ACCURACIES = (0.01, 0.003)
 SEGMENTS = (5, 10, 20, 40, 80, 160)
 COURANT = (1.6, 0.8)  # of 1/(highest frequency of MoorDyn's lumped masses): its steps, the longest first
-IMPLICIT_STEPS = (1.0, 0.5, 0.2, 0.1, 0.05)  # of the output step: those of CableDyn, which is implicit
+CALLS = (20, 400)  # an output step, by which MoorDyn's top is moved, but no more than it has steps
+IMPLICIT_STEPS = (1, 2, 5, 10, 20)  # an output step: those of CableDyn, which is implicit
 REPETITIONS = 5
 LONGEST = 15.0  # processor seconds of a run: finer settings of that code are not tried
 PROBE = 0.01  # of a run, by which its time is judged beforehand
@@ -28,9 +30,10 @@ SHIFTED: Mapping[str, object] = {
         {"kind": "sinusoid", "axis": "x", "amplitude": SHIFT, "angular_frequency": 0.0, "phase": 0.5 * math.pi, "ramp_time": SHIFT_TIME}
     ],
 }  # fmt: skip
-CIRCLE = {"cable.bending_stiffness": 0.0, "cable.volume_per_length": -1.0, "current.levels": (), "run.duration": 690.0}
+CIRCLE = {"cable.bending_stiffness": 0.0, "current.levels": (), "run.duration": 690.0}
 WIRE = {"cable.axial_damping": 0.0, "top.motion": HEAVE, "run.duration": 60.0, "run.output_step": 0.1, "solver.lambda_infinity": -0.9}
 Changes = Mapping[str, object]
+Simulate = Callable[[Scene], Timed]
 
 
 @dataclass(frozen=True)
@@ -86,37 +89,43 @@ def _highest_frequency(scene: Scene, segments: int) -> float:
     return 2.0 * math.sqrt(cable.axial_stiffness / cable.mass_per_length) * segments / cable.length
 
 
-def _moordyn_steps(scene: Scene, segments: int) -> list[float]:
-    return [share / _highest_frequency(scene, segments) for share in COURANT]
+def _moordyn_settings(scene: Scene, segments: int) -> Iterator[tuple[str, Simulate]]:
+    every = scene.run.output_step
+    for share in COURANT:
+        step = share / _highest_frequency(scene, segments)
+        most = max(1, math.floor(every / step))
+        for calls in dict.fromkeys(min(calls, most) for calls in CALLS):
+            words = f"{segments} segments, step {step:.2g} s, top moved every {every / calls:.2g} s"
+            yield words, partial(moordyn.run, segments=segments, step=step, calls=calls)
 
 
-def _cabledyn_steps(scene: Scene, segments: int) -> list[float]:
-    return [share * scene.run.output_step for share in IMPLICIT_STEPS]
+def _cabledyn_settings(scene: Scene, segments: int) -> Iterator[tuple[str, Simulate]]:
+    for calls in IMPLICIT_STEPS:
+        words = f"{segments} segments, step {scene.run.output_step / calls:.2g} s"
+        yield words, partial(cabledyn.run, segments=segments, calls=calls)
 
 
-CODES: Mapping[str, tuple[Callable[[Scene, int, float], Timed], Callable[[Scene, int], list[float]]]] = {
-    "MoorDyn": (moordyn.run, _moordyn_steps),
-    "CableDyn": (cabledyn.run, _cabledyn_steps),
+CODES: Mapping[str, Callable[[Scene, int], Iterable[tuple[str, Simulate]]]] = {
+    "MoorDyn": _moordyn_settings,
+    "CableDyn": _cabledyn_settings,
 }
 
 
 def _runs(code: str, scene: Scene, numbers: Sequence[int], told: Callable[[str], None]) -> tuple[list[Run], str]:
     """All runs of a code that take no longer than LONGEST, and how long the first too long one would have taken, or why it cannot run."""
-    run, steps = CODES[code]
     done: list[Run] = []
     left_out = ""
     short = with_values(scene, {"run.duration": max(PROBE * scene.run.duration, 2.0 * scene.run.output_step)})
-    for segments, step in ((n, step) for n in numbers for step in steps(scene, n)):
-        words = f"{segments} segments, step {step:.2g} s"
+    for words, run in itertools.chain.from_iterable(CODES[code](scene, n) for n in numbers):
         told(f"{code}: {words}")
         try:
-            expected = run(short, segments, step).seconds * scene.run.duration / short.run.duration
+            expected = run(short).seconds * scene.run.duration / short.run.duration
         except deck.NotTranslated as reason:
             return [], str(reason)
         if expected > LONGEST:
             left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
             continue
-        again = partial(run, scene, segments, step)
+        again = partial(run, scene)
         done.append(Run(words, again, again()))
     return done, left_out
 
@@ -171,8 +180,8 @@ def markdown(rows: Sequence[Row]) -> str:
         "its own finest run; the last column is how far that is from our converged reference: where this is more than the accuracy, a code",
         "agrees with itself only.  In C1 and C2 the top moves 1 mm aside and stands still.  Processor seconds per simulated second of the",
         f"steps alone, medians of {REPETITIONS} runs in one process; settings of a peer that take more than {LONGEST:g} s are not",
-        "run.  MoorDyn: RK4, its top moved in pieces of an output step; CableDyn: its coupled point, which is what its Python interface",
-        "moves.",
+        "run.  MoorDyn: RK4, its top moved at constant velocity from call to call; CableDyn: its coupled point, which is what its Python",
+        "interface moves.",
         f"{machine()}.",
         "",
         "| case | accuracy | ours | CPU s/s | code | its setting | CPU s/s | times ours | references apart |",

@@ -16,6 +16,7 @@ import numpy as np
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
+from cable_model.parameters import Cable
 from cable_model.scene import Scene, parts_of
 from cable_model.studies.timed import Timed
 
@@ -27,11 +28,11 @@ class NotTranslated(ParameterError):
     """A peer cannot simulate the scene, or is not told here how."""
 
 
-def refuse_untranslated(scene: Scene, peer: str) -> None:
-    """NotTranslated for what the input file below does not say."""
+def refuse_untranslated(scene: Scene, peer: str, can: Sequence[str] = ()) -> None:
+    """NotTranslated for what the input file below does not say, and what is not among the parts that this peer `can`."""
     parts = parts_of(scene, "chain")
     for name in UNSUPPORTED:
-        if getattr(parts, name) is not None:
+        if name not in can and getattr(parts, name) is not None:
             raise NotTranslated(f"{name}: must be absent for {peer}. Leave it out of the scene.")
 
 
@@ -47,30 +48,41 @@ def _held_aside(scene: Scene) -> np.ndarray:
     return model.positions()[0]
 
 
+def displaced_diameter(cable: Cable) -> float:
+    """The diameter that displaces the cable's volume, m: the only one that the input file has, for drag, added mass and seabed too."""
+    given = math.sqrt(4.0 * cable.volume_per_length / np.pi) if cable.volume_per_length > 0.0 else cable.diameter
+    return given or 1e-3
+
+
 def text(scene: Scene, segments: int, options: Sequence[str]) -> str:
     """The input file; the cable's damping, where it has none, is a tenth of the critical one of a segment."""
     cable, body = scene.cable, scene.body
     density = scene.water.density if scene.water is not None else THIN
+    depth = -scene.seabed.level if scene.seabed is not None else 10.0 * cable.length + 100.0
     top = top_motion(scene.top)(0.0, 1)[:3]
-    wet = (cable.mass_per_length - density * 0.25 * np.pi * cable.diameter**2) * cable.length
+    diameter = displaced_diameter(cable)
+    wider = cable.diameter / diameter if cable.diameter > 0.0 else 1.0
+    wet = (cable.mass_per_length - density * 0.25 * np.pi * diameter**2) * cable.length
     hung = wet / 2.0 + body.mass - density * body.volume
     low = np.array([top[0], top[1], top[2] - cable.length * (1.0 + hung * scene.environment.gravity / cable.axial_stiffness)])
     kind = "Free"
     if let_go(scene):
         low, kind = _held_aside(scene), "Fixed"
+    elif scene.lower_end.anchored:
+        low, kind = np.array([scene.lower_end.x, scene.lower_end.y, scene.lower_end.z]), "Fixed"
     added = body.added_mass / (density * body.volume) if scene.water is not None and body.volume > 0.0 else 0.0
     damping = cable.axial_damping or -0.1  # negative: share of the critical one
     rows = [
         "MoorDyn input", "--- LINE TYPES ---", "Name Diam MassDen EA BA EI Cd Ca CdAx CaAx",
         "(-) (m) (kg/m) (N) (N-s) (N-m2) (-) (-) (-) (-)",
-        f"cable {cable.diameter or 1e-3} {cable.mass_per_length} {cable.axial_stiffness} {damping} 0 {cable.normal_drag_coefficient} "
-        f"{cable.added_mass_coefficient} {cable.tangential_drag_coefficient / np.pi} 0",
+        f"cable {diameter} {cable.mass_per_length} {cable.axial_stiffness} {damping} 0 {wider * cable.normal_drag_coefficient} "
+        f"{wider**2 * cable.added_mass_coefficient} {wider * cable.tangential_drag_coefficient / np.pi} 0",
         "--- POINTS ---", "ID Type X Y Z Mass Volume CdA Ca", "(-) (-) (m) (m) (m) (kg) (m3) (m2) (-)",
         f"1 {kind} {low[0]} {low[1]} {low[2]} {body.mass} {body.volume} {body.drag_area} {added}",
         f"2 Coupled {top[0]} {top[1]} {top[2]} 0 0 0 0",
         "--- LINES ---", "ID LineType AttachA AttachB UnstrLen NumSegs Outputs", "(-) (-) (-) (-) (m) (-) (-)",
         f"1 cable 1 2 {cable.length} {segments} -",
-        "--- OPTIONS ---", f"{scene.environment.gravity} g", f"{density} WtrDnsty", f"{10.0 * cable.length + 100.0} WtrDpth", *options,
+        "--- OPTIONS ---", f"{scene.environment.gravity} g", f"{density} WtrDnsty", f"{depth} WtrDpth", *options,
         "--- END ---",
     ]  # fmt: skip
     return "\n".join(rows) + "\n"
@@ -95,11 +107,6 @@ def written(content: str) -> Iterator[Path]:
             for descriptor in (out, err, nowhere):
                 os.close(descriptor)
             os.chdir(here)
-
-
-def pieces(scene: Scene, step: float, most: int) -> int:
-    """Into how many calls an output step is divided, for a code whose own step is `step`."""
-    return min(most, max(1, math.floor(scene.run.output_step / step + 1e-9)))
 
 
 def drive(
