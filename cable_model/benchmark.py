@@ -5,13 +5,11 @@ Times are machine-dependent; the ratios to the bare chain are what to read.
 
 from __future__ import annotations
 
-import platform
 import statistics
 import time
 from dataclasses import dataclass
 
-import numba
-
+from cable_model.machine import machine
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
@@ -114,7 +112,7 @@ def markdown(costs: list[Cost], proof: str = "") -> str:
         "",
         "Written by `python -m cable_model bench --absent -o docs/cost_of_effects.md`: forced chain of 101 nodes, each effect alone;",
         "medians of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
-        f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}.",
+        f"{machine()}.",
         "",
         "| effects | us per node and step | iterations per step | ratio to the bare chain |",
         "|---|---:|---:|---:|",

@@ -1,14 +1,16 @@
 """Peers: where MoorDyn is installed it agrees with the chain on what both can do; what is not translated is refused."""
 
+import dataclasses
 import math
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
 
 from cable_model.errors import ParameterError
 from cable_model.hard.cases import BASIN, basin_label
-from cable_model.peers import compare, deck, moordyn
+from cable_model.peers import cabledyn, compare, deck, moordyn
 from cable_model.scene import load, with_values
 from cable_model.studies.timed import Scale, errors, timed
 
@@ -32,6 +34,14 @@ def test_moordyn_and_the_chain_agree(name, tension, position):
     found = errors(theirs, ours, Scale.of(ours))
     assert not theirs.error
     assert found["tension"] < tension and found["position"] < position
+
+
+def test_cabledyn_reads_the_same_input_file():
+    pytest.importorskip("cabledyn")
+    scene = with_values(case("C4 wire, 1 m at 10 s"), {"run.duration": 10.0})
+    theirs = cabledyn.run(scene, 10, 5)
+    assert not theirs.error
+    assert errors(theirs, timed(scene), Scale.of(timed(scene)))["position"] < 3e-3
 
 
 def test_what_is_not_translated_is_refused():
@@ -70,19 +80,28 @@ def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
     short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], told=lambda line: None)
-    assert row.why == "it cannot let go"
+    assert row.by_itself.why == row.by_ours.why == "it cannot let go"
     assert "| it cannot let go | - | not reached |" in compare.markdown([row])
 
 
-def test_the_table_gives_the_ratio_or_says_that_it_was_not_reached():
-    rows = [
-        compare.Row("a", 0.01, "ours", 0.001, "theirs", "coarse", 0.02, 0.003),
-        compare.Row("a", 0.003, "ours", 0.002, "theirs", "", math.inf, 0.003, "it stopped"),
-    ]
-    text = compare.markdown(rows)
-    assert "| 20.0 | 3.0e-03 |" in text and "| it stopped | - | not reached |" in text
+def test_the_table_gives_both_ratios_or_says_that_they_were_not_reached():
+    ours, coarse, none = compare.Reached("ours", 0.001), compare.Reached("coarse", 0.02), compare.Reached("", math.inf, "it stopped")
+    text = compare.markdown([compare.Row("a", 0.01, ours, "theirs", coarse, none, 0.003)])
+    assert "| coarse | 0.02 | 20.0 | it stopped | - | not reached | 3.0e-03 |" in text
 
 
-def test_a_lone_run_has_nothing_to_be_judged_by():
-    lone = compare.Run("5 segments, step 1 s", lambda: ours, ours := timed(load("hanging_chain")))
-    assert compare._cheapest([lone], 0.01, ("position",)) == ("", math.inf, "nothing but 5 segments, step 1 s ran")
+def test_a_code_is_judged_by_a_finer_mesh_of_its_own_and_by_our_reference(monkeypatch):
+    """A code that converges to a wrong answer: twice ours, whatever the mesh."""
+
+    def wrong(scene, segments):
+        run = timed(scene)
+        return dataclasses.replace(run, position=(2.0 + 1e-4 / segments) * run.position, seconds=0.01 * segments)
+
+    settings = lambda scene, segments: [(f"{segments} segments", partial(wrong, segments=segments))]  # noqa: E731
+    monkeypatch.setattr(compare, "CODES", {"theirs": settings})
+    short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
+    monkeypatch.setattr(compare, "CASES", {"short": short})
+    (row,) = compare.compare("short", [0.01], (10, 20), told=lambda line: None)
+    assert row.by_itself.setting == "10 segments" and row.by_itself.cost == pytest.approx(0.1 / 3.0)
+    assert row.by_ours.cost == math.inf and row.by_ours.why.startswith("none of its runs is nearer than")
+    assert row.apart > 0.5

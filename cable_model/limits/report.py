@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cable_model.limits import measuring
-from cable_model.studies.work_precision import machine
+from cable_model.machine import machine
 
 # us per node and Newton iteration that the kernels are meant to keep
 TARGETS = {

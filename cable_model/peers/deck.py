@@ -58,7 +58,8 @@ def text(scene: Scene, segments: int, options: Sequence[str]) -> str:
     """The input file; the cable's damping, where it has none, is a tenth of the critical one of a segment."""
     cable, body = scene.cable, scene.body
     density = scene.water.density if scene.water is not None else THIN
-    depth = -scene.seabed.level if scene.seabed is not None else 10.0 * cable.length + 100.0
+    on_seabed = parts_of(scene, "chain").seabed is not None
+    depth = -scene.seabed.level if on_seabed else 10.0 * cable.length + 100.0
     top = top_motion(scene.top)(0.0, 1)[:3]
     diameter = displaced_diameter(cable)
     wider = cable.diameter / diameter if cable.diameter > 0.0 else 1.0

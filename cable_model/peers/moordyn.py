@@ -7,7 +7,7 @@ import numpy as np
 from cable_model.errors import ParameterError
 from cable_model.motion import top_motion
 from cable_model.peers import deck
-from cable_model.scene import Scene
+from cable_model.scene import Scene, parts_of
 from cable_model.studies.timed import Timed
 
 LONGEST_RELAXATION = 60.0  # s
@@ -17,7 +17,7 @@ CAN = ("seabed", "anchor")
 def _seabed(scene: Scene) -> tuple[str, ...]:
     """Its options; they are on the input file's diameter, and damping is per velocity."""
     seabed, cable = scene.seabed, scene.cable
-    if seabed is None:
+    if parts_of(scene, "chain").seabed is None:
         return ("0 kBot", "0 cBot")
     diameter = deck.displaced_diameter(cable)
     stiffness = seabed.stiffness * cable.diameter  # per length

@@ -7,13 +7,14 @@ import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from cable_model.machine import machine
 from cable_model.scene import Scene
 from cable_model.studies import settings
 from cable_model.studies.advice import Advice, advise
 from cable_model.studies.price import Price, price
 from cable_model.studies.reference import Reference, chain_setting
 from cable_model.studies.timed import SIGNALS, Scale, Setting, Timed, errors, timed, worst
-from cable_model.studies.work_precision import Point, all_settings, machine
+from cable_model.studies.work_precision import Point, all_settings
 
 ACCURACY = 0.01
 PRUNED = 3.0  # a ladder of the study is left where a run of it takes this many times the choice's time

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import csv
 import math
-import platform
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from importlib import metadata
 from pathlib import Path
 
 import matplotlib
@@ -15,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from cable_model.machine import machine
 from cable_model.scene import Scene, with_values
 from cable_model.studies import settings
 from cable_model.studies.reference import Reference, converge
@@ -80,17 +79,6 @@ def front(points: Sequence[Point], signal: str) -> list[Point]:
         if not kept or point.errors[signal] < kept[-1].errors[signal]:
             kept.append(point)
     return kept
-
-
-def machine() -> str:
-    """What the times were measured on."""
-    import numba
-    import numpy
-
-    own = metadata.version("cable-fmu")
-    return (
-        f"{platform.machine()}, Python {platform.python_version()}, numba {numba.__version__}, numpy {numpy.__version__}, cable-fmu {own}"
-    )
 
 
 def write_csv(path: Path, scene: Scene, reference: Reference, points: Sequence[Point]) -> None:
