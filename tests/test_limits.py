@@ -9,6 +9,7 @@ import pytest
 
 from cable_model.limits import absent
 from cable_model.limits.counting import LATENCY, Counted
+from cable_model.limits.measuring import Rates, machine_rates
 from cable_model.limits.report import Limits, markdown
 
 
@@ -24,7 +25,7 @@ def test_every_operation_is_counted_once_and_waits_for_its_operands(operations):
     assert result == 1.0
     assert operations.operations == {"add": 1, "multiply": 2, "divide": 1, "root": 1, "sine": 0}
     # the two squares wait for nothing, so not for each other
-    assert result.cycle == LATENCY["multiply"] + LATENCY["add"] + LATENCY["root"] + LATENCY["divide"]
+    assert result.ready == LATENCY["multiply"] + LATENCY["add"] + LATENCY["root"] + LATENCY["divide"]
 
 
 def test_operations_with_plain_numbers_count_from_either_side(operations):
@@ -34,7 +35,7 @@ def test_operations_with_plain_numbers_count_from_either_side(operations):
 
 
 def test_bending_and_space_cost_operations_that_a_bare_chain_does_not():
-    command = [sys.executable, "-m", "cable_model.limits.counting", "bare chain", "bending", "space"]
+    command = [sys.executable, "-m", "cable_model.limits.counting", "{}", "bare chain", "bending", "space"]
     done = subprocess.run(command, env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=True)
     counts = json.loads(done.stdout)
     for case in counts.values():
@@ -45,16 +46,16 @@ def test_bending_and_space_cost_operations_that_a_bare_chain_does_not():
 
 
 def test_the_note_sets_counts_bounds_and_times_side_by_side():
-    counts = {"bare chain": {**dict.fromkeys(LATENCY, 10.0), "flops": 400.0, "path": 100.0}}
+    counts = {"bare chain": {**dict.fromkeys(LATENCY, 10.0), "flops": 400.0, "path": 25e-9}}
     found = Limits(
         counts,
         {"bare chain": 1e-7},
         {"bare chain": 2e-7},
-        {"cycle": 0.25e-9, "flops": 4e9},
+        Rates(4e9, {"add": 1e-9}, 2e-9),
         [(100, 1e-5, 1.04), (200, 9e-6, 1.05), (300, 8e-6, 1.06)],
     )
     text = markdown(found)
-    assert "| bare chain | 400 | 10 + 10 | 100 | 25 | 100 | 200 | 100 |" in text
+    assert "| bare chain | 400 | 10 + 10 | 100 | 20 | 25 | 100 | 200 | 100 |" in text
     assert "0.30 ms for the calls, 7.00 us for each node" in text
     assert "| 200 | 1.80 | 1.70 | +5.9 % | 1.05 |" in text
 
@@ -67,6 +68,10 @@ def test_what_an_absent_part_never_reaches_is_cut_out_and_the_rest_is_left(tmp_p
     assert "barrier" in (kernels / "slack.py").read_text(encoding="utf-8")  # the bare chain has slack
     grid = (kernels / "grid.py").read_text(encoding="utf-8")
     assert "by_presence(_staggered_step, _staggered_step)" in grid
+
+
+def test_the_machine_has_a_latency_for_every_kind_that_is_counted():
+    assert set(machine_rates(1000).latencies) == set(LATENCY)
 
 
 @pytest.mark.long

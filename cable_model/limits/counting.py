@@ -1,7 +1,8 @@
 """Floating-point operations of one Newton iteration, counted by running the kernels as plain Python on numbers that count themselves.
 
-Each number also carries the cycle at which a machine without any other limit would have it: operations wait for their operands only.
-The longest such path is what no compiler can get below without another algorithm.  Run with NUMBA_DISABLE_JIT=1.
+Each number also carries the time at which a machine without any other limit would have it: operations wait for their operands only.
+The longest such path is what no compiler can get below without another algorithm.  Run with NUMBA_DISABLE_JIT=1; times, of each kind
+of operation, as JSON, then cases.
 """
 
 from __future__ import annotations
@@ -20,26 +21,26 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.staggered_step import Winding
 from cable_model.models import MODELS
 
-LATENCY = {"add": 4, "multiply": 4, "divide": 14, "root": 18, "sine": 50}  # cycles, of double precision on recent x86-64 cores
+LATENCY = {"add": 4.0, "multiply": 4.0, "divide": 14.0, "root": 18.0, "sine": 50.0}  # times, in any unit; cycles unless others are given
 NODES = (21, 41)  # the difference of the two is counted: what belongs to the ends drops out
 
 
 class Counted(float):
-    """A number that counts the operations that made it, in `operations`, and knows its cycle."""
+    """A number that counts the operations that made it, in `operations`, and knows when it is ready."""
 
     operations: ClassVar[dict[str, int]] = dict.fromkeys(LATENCY, 0)
-    __slots__ = ("cycle",)
-    cycle: int
+    __slots__ = ("ready",)
+    ready: float
 
-    def __new__(cls, value: float, cycle: int = 0) -> Counted:
+    def __new__(cls, value: float, ready: float = 0.0) -> Counted:
         made = super().__new__(cls, value)
-        made.cycle = cycle
+        made.ready = ready
         return made
 
     @classmethod
     def _made(cls, kind: str, value: float, *operands: float) -> Counted:
         cls.operations[kind] += 1
-        return cls(value, max(getattr(operand, "cycle", 0) for operand in operands) + LATENCY[kind])
+        return cls(value, max(getattr(operand, "ready", 0.0) for operand in operands) + LATENCY[kind])
 
     def __add__(self, other: Any) -> Counted:
         return self._made("add", float(self) + float(other), self, other)
@@ -64,10 +65,10 @@ class Counted(float):
         return self._made("root", float(self) ** 0.5, self)
 
     def __neg__(self) -> Counted:
-        return type(self)(-float(self), self.cycle)  # a change of sign joins the next operation
+        return type(self)(-float(self), self.ready)  # a change of sign joins the next operation
 
     def __abs__(self) -> Counted:
-        return type(self)(abs(float(self)), self.cycle)
+        return type(self)(abs(float(self)), self.ready)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -89,7 +90,7 @@ def _counted(array: np.ndarray) -> np.ndarray:
     return np.array([Counted(x) for x in array], dtype=object)
 
 
-def _iteration(case: str, nodes: int) -> tuple[dict[str, int], int]:
+def _iteration(case: str, nodes: int) -> tuple[dict[str, int], float]:
     """Operations and longest path of one Newton iteration of a moving chain, with prediction and new rates."""
     scene = scene_of({**CASES[case], "solver.nodes": nodes})
     model: Any = MODELS["chain"](scene)
@@ -105,12 +106,12 @@ def _iteration(case: str, nodes: int) -> tuple[dict[str, int], int]:
         parts.box, parts, problem, view, c, 0.0, 0.005, 1.0, like, like, like, Winding(problem.cable.length, 0.0, 0.0)
     )
     assert iterations == 1, f"{case}: {iterations} iterations instead of one"
-    longest = max(getattr(x, "cycle", 0) for x in (*view.y1.ravel(), *view.yd1.ravel()))
+    longest = max(getattr(x, "ready", 0.0) for x in (*view.y1.ravel(), *view.yd1.ravel()))
     return dict(Counted.operations), longest
 
 
 def per_node(case: str) -> dict[str, float]:
-    """Operations by kind, their sum `flops`, and `path`, cycles of the longest path, of a node and Newton iteration."""
+    """Operations by kind, their sum `flops`, and `path`, the longest path, of a node and Newton iteration."""
     (few, short), (many, long) = (_iteration(case, nodes) for nodes in NODES)
     more = NODES[1] - NODES[0]
     found = {kind: (many[kind] - few[kind]) / more for kind in LATENCY}
@@ -119,4 +120,5 @@ def per_node(case: str) -> dict[str, float]:
 
 if __name__ == "__main__":
     _count_functions()
-    json.dump({case: per_node(case) for case in sys.argv[1:]}, sys.stdout)
+    LATENCY.update(json.loads(sys.argv[1]))
+    json.dump({case: per_node(case) for case in sys.argv[2:]}, sys.stdout)

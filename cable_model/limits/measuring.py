@@ -7,7 +7,8 @@ import math
 import statistics
 import sys
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numba
@@ -26,10 +27,49 @@ REPETITIONS = 15
 
 
 @numba.njit
-def _one_after_another(count: int, x: float) -> float:
+def _additions(count: int, x: float) -> float:
     for _ in range(count):
-        x = x * 1.0000001 + 1e-9
+        x = x + 1e-9
     return x
+
+
+@numba.njit
+def _multiplications(count: int, x: float) -> float:
+    for _ in range(count):
+        x = x * 1.0000001
+    return x
+
+
+@numba.njit
+def _divisions(count: int, x: float) -> float:
+    for _ in range(count):
+        x = 1.7 / x
+    return x
+
+
+@numba.njit
+def _roots(count: int, x: float) -> float:
+    for _ in range(count):
+        x = math.sqrt(x + 1.7)
+    return x
+
+
+@numba.njit
+def _sines(count: int, x: float) -> float:
+    for _ in range(count):
+        x = math.sin(x + 1.7)
+    return x
+
+
+@numba.njit
+def _divisions_side_by_side(count: int, x: float) -> float:
+    a, b, c, d = x, x + 1.0, x + 2.0, x + 3.0
+    for _ in range(count):
+        a = 1.1 / a
+        b = 1.2 / b
+        c = 1.3 / c
+        d = 1.4 / d
+    return a + b + c + d
 
 
 @numba.njit
@@ -59,11 +99,24 @@ def _least(call: Callable[[], Any], count: int) -> float:
     return min(times)
 
 
-def machine_rates() -> dict[str, float]:
-    """`cycle`, s, a quarter of an addition that waits for the one before; `flops` of one core, scalar, nothing waiting, 1/s."""
-    waiting = _least(lambda: _one_after_another(100_000, 1.0), 3) / 100_000 / 2.0
-    free = _least(lambda: _side_by_side(100_000, 1.0), 3) / 100_000 / 16.0
-    return {"cycle": waiting / 4.0, "flops": 1.0 / free}
+@dataclass(frozen=True)
+class Rates:
+    """What the machine does by itself, scalars of double precision on one core."""
+
+    flops: float  # additions and multiplications that wait for nothing, 1/s
+    latencies: Mapping[str, float]  # s, of operations that wait for the one before, by the kinds of counting.LATENCY
+    division: float  # s, of divisions that wait for nothing
+
+
+def machine_rates(count: int = 100_000) -> Rates:
+    def of(loop: Callable[[int, float], float], operations: float = 1.0) -> float:
+        return _least(lambda: loop(count, 1.0), 3) / count / operations
+
+    add = of(_additions)
+    latencies = {
+        "add": add, "multiply": of(_multiplications), "divide": of(_divisions), "root": of(_roots) - add, "sine": of(_sines) - add,
+    }  # fmt: skip
+    return Rates(1.0 / of(_side_by_side, 16.0), latencies, of(_divisions_side_by_side, 4.0))
 
 
 def _stepper(case: str, nodes: int) -> Callable[[], int]:

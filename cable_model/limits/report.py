@@ -34,14 +34,14 @@ class Limits:
     counts: Mapping[str, Mapping[str, float]]
     vector: Mapping[str, float]  # s per node and Newton iteration, compiled for this machine
     scalar: Mapping[str, float]  # for any x86-64 machine, no vectors
-    rates: Mapping[str, float]
+    rates: measuring.Rates
     growth: Sequence[tuple[int, float, float]]
 
 
-def _asked(module: str, cases: Sequence[str], environment: Mapping[str, str]) -> Any:
-    """What a module of this package prints as JSON for the cases, in a process of its own."""
+def _asked(module: str, arguments: Sequence[str], environment: Mapping[str, str]) -> Any:
+    """What a module of this package prints as JSON, in a process of its own."""
     done = subprocess.run(
-        [sys.executable, "-m", module, *cases], env={**os.environ, **environment}, capture_output=True, text=True, check=True
+        [sys.executable, "-m", module, *arguments], env={**os.environ, **environment}, capture_output=True, text=True, check=True
     )
     return json.loads(done.stdout)
 
@@ -50,7 +50,9 @@ def measure(quick: bool = False, told: Callable[[str], None] = print) -> Limits:
     """Count and time; a scalar build in a process of its own.  `quick`: the bare chain only, and no scalar build."""
     cases = list(TARGETS)[: 1 if quick else None]
     told("counting operations")
-    counts = _asked("cable_model.limits.counting", [case for case in cases if case in COUNTED], {"NUMBA_DISABLE_JIT": "1"})
+    rates = measuring.machine_rates()
+    counted = [json.dumps(dict(rates.latencies)), *(case for case in cases if case in COUNTED)]
+    counts = _asked("cable_model.limits.counting", counted, {"NUMBA_DISABLE_JIT": "1"})
     told("times of a build for this machine")
     vector = measuring.times_of(cases)
     scalar: Mapping[str, float] = {}
@@ -59,19 +61,19 @@ def measure(quick: bool = False, told: Callable[[str], None] = print) -> Limits:
         scalar = _asked("cable_model.limits.measuring", cases, SCALAR)
     told("growth with the nodes")
     growth = measuring.growth((26, 51), 0.5) if quick else measuring.growth()
-    return Limits(counts, vector, scalar, measuring.machine_rates(), growth)
+    return Limits(counts, vector, scalar, rates, growth)
 
 
 def _row(case: str, found: Limits) -> str:
-    cycle, rate = found.rates["cycle"], found.rates["flops"]
     target = TARGETS[case]
     cells = [case]
     if case in found.counts:
         count = found.counts[case]
-        path, work = 1e9 * count["path"] * cycle, 1e9 * count["flops"] / rate
-        cells += [f"{count['flops']:.0f}", f"{count['divide']:.0f} + {count['root']:.0f}", f"{work:.0f}", f"{path:.0f}"]
+        work, divider = count["flops"] / found.rates.flops, count["divide"] * found.rates.division
+        cells += [f"{count['flops']:.0f}", f"{count['divide']:.0f} + {count['root']:.0f}"]
+        cells += [f"{1e9 * seconds:.0f}" for seconds in (work, divider, count["path"])]
     else:
-        cells += ["-"] * 4
+        cells += ["-"] * 5
     cells += [f"{1e9 * found.vector[case]:.0f}", f"{1e9 * found.scalar[case]:.0f}" if case in found.scalar else "-"]
     cells += [f"{1e3 * target:.0f}" if target is not None else "-"]
     return f"| {' | '.join(cells)} |"
@@ -82,6 +84,7 @@ def markdown(found: Limits) -> str:
     growth = [(n, n * cost, iterations) for n, cost, iterations in found.growth]
     (n_low, low, _), (n_high, high, _) = growth[0], growth[-1]
     slope = (high - low) / (n_high - n_low)
+    latencies = ", ".join(f"{kind} {1e9 * seconds:.2g}" for kind, seconds in found.rates.latencies.items())
     lines = [
         "# How near the kernels are to what the machine can do",
         "",
@@ -90,17 +93,17 @@ def markdown(found: Limits) -> str:
         f"a call drops out, and the shortest of {measuring.REPETITIONS}.  {machine()}.",
         "",
         "Operations are counted by running the kernels on numbers that count themselves.  *Work* is their number over the rate at which",
-        f"this core adds and multiplies scalars that wait for nothing ({found.rates['flops'] / 1e9:.1f} GFlop/s; divisions and roots are",
-        "slower, so it is a lower bound).  *Path* is the longest chain of operations that wait for one another, at the usual latencies and",
-        f"{1e-9 / found.rates['cycle']:.1f} GHz: elimination upwards, then substitution downwards.  No order of the same operations is",
-        "faster than the larger of the two without vectors across nodes.",
+        f"this core adds and multiplies scalars that wait for nothing ({found.rates.flops / 1e9:.1f} GFlop/s).  *Divider* is what the",
+        f"divisions alone take that wait for nothing ({1e9 * found.rates.division:.2f} ns each), beside the rest.  *Path* is the longest",
+        f"chain of operations that wait for one another, at the latencies of this core ({latencies} ns): elimination",
+        "upwards, then substitution downwards.  No order of the same operations is faster than the largest of the three without vectors",
+        "across nodes; loads, stores and comparisons are in none of them.",
         "",
-        "| chain | flops | divisions + roots | work | path | measured | scalar build | target |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|",
+        "| chain | flops | divisions + roots | work | divider | path | measured | scalar build | target |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
         *(_row(case, found) for case in found.vector),
         "",
-        "Divisions are what is left to gain: a lone division costs the divider four cycles, so 15 of them are 60 cycles of the measured",
-        "time.  Vectors help little: the recurrences of the elimination run from node to node, and only averages and assembly could share",
+        "Vectors help little: the recurrences of the elimination run from node to node, and only averages and assembly could share",
         "an instruction among nodes.  Arrays of 101 nodes in the plane take 40 kB, so all is in the nearest caches.  Using a factorisation",
         "again does not pay: with the prediction by rates, one iteration a step is the rule, and a second elimination is rare.",
         "",
