@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from typer.testing import CliRunner
 
 from cable_model.cli import app
 from cable_model.cli_studies import fraction
-from cable_model.errors import ParameterError, SolverError
+from cable_model.errors import ParameterError
 from cable_model.scene import load, shipped, to_toml, with_values
 from cable_model.studies import advice, reference, settings, sweep, timed, validity, work_precision
 
@@ -199,10 +200,52 @@ def test_a_sweep_with_a_bad_value_is_refused_before_anything_runs(tmp_path):
         sweep.read(path)
 
 
-def test_a_worker_that_always_dies_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep, "perform", _always_die)
-    with pytest.raises(SolverError, match=r"solver\.nodes"):
-        sweep.run(sweep.jobs(SHORT, {"solver.nodes": [6]}), tmp_path, 1)
+def _die_at_eleven(job, folder):
+    if job.values["solver.nodes"] == 11:
+        os._exit(1)
+    return sweep.__dict__["_perform"](job, folder)
+
+
+def test_runs_whose_workers_always_die_cost_nothing_but_themselves(tmp_path, monkeypatch):
+    monkeypatch.setattr(sweep, "_perform", sweep.perform, raising=False)
+    monkeypatch.setattr(sweep, "perform", _die_at_eleven)
+    wanted = sweep.jobs(SHORT, {"solver.nodes": [11, 6, 7, 8]})
+    died, *rest = sweep.run(wanted, tmp_path, 2)
+    assert "worker died" in died["error"] and died["solver.nodes"] == 11
+    assert [summary["error"] for summary in rest] == ["", "", ""]
+    monkeypatch.setattr(sweep, "perform", sweep.__dict__["_perform"])
+    assert [summary["error"] for summary in sweep.run(wanted, tmp_path, 2)] == [""] * 4  # the next call tries it again
+    assert not list(tmp_path.glob("*.begun"))
+
+
+def test_a_run_that_is_refused_costs_nothing_but_itself(tmp_path):
+    curve = {"cable.stiffness_curve": [[0.0, 0.0], [0.1, 100.0]]}  # which TowCable lacks
+    (job,) = sweep.jobs(with_values(SHORT, curve), {"run.model": ["tow"]})
+    (summary,) = sweep.run([job], tmp_path, 1)
+    assert "stiffness_curve" in summary["error"]
+
+
+def test_values_are_needed_and_another_code_has_other_results(monkeypatch):
+    with pytest.raises(ParameterError, match=r"solver\.nodes has no values"):
+        sweep.jobs(SHORT, {"solver.nodes": []})
+    (job,) = sweep.jobs(SHORT, {"solver.nodes": [6]})
+    monkeypatch.setattr(sweep, "source_hash", lambda: "other kernels")
+    (other,) = sweep.jobs(SHORT, {"solver.nodes": [6]})
+    assert job.key != other.key
+
+
+def test_a_cluster_gives_the_same_and_a_run_that_kills_its_workers_costs_only_itself(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    cloudpickle = pytest.importorskip("cloudpickle")
+    wanted = sweep.jobs(SHORT, SWEEP)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        assert sweep.run(wanted, tmp_path / "cluster", 1, None, address) == sweep.run(wanted, tmp_path / "cores", 1)
+        cloudpickle.register_pickle_by_value(sys.modules[__name__])
+        monkeypatch.setattr(sweep, "perform", _always_die)
+        (died,) = sweep.run(wanted[:1], tmp_path / "dead", 1, None, address)
+        cloudpickle.unregister_pickle_by_value(sys.modules[__name__])
+    assert "worker died" in died["error"]
 
 
 def _always_die(job, folder):

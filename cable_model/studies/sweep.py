@@ -8,14 +8,16 @@ import itertools
 import json
 import os
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from cable_model.errors import ParameterError, SolverError
+from cable_model.kernels.jit import source_hash
 from cable_model.models import MODELS
 from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.simulation import simulate, write_csv
@@ -30,7 +32,7 @@ MEASURES = (
     "body.z min",
     "body.z max",
 )
-ATTEMPTS = 3  # of a pool whose worker died
+ATTEMPTS = 3  # of a run whose worker died
 
 
 @dataclass(frozen=True)
@@ -59,23 +61,32 @@ def read(path: Path) -> tuple[Scene, dict[str, list[Any]]]:
 
 
 def jobs(scene: Scene, lists: dict[str, list[Any]]) -> list[Job]:
-    """Every combination; a value that breaks a rule is refused here, before anything runs."""
+    """Every combination; a value that breaks a rule is refused here, before anything runs.
+
+    The key of a job tells its scene and the code: what another version has left is not taken for its result.
+    """
+    for name, given in lists.items():
+        if not given:
+            raise ParameterError(f"vary: {name} has no values. Give at least one, or leave it out.")
     found = []
     for combination in itertools.product(*lists.values()):
         values = dict(zip(lists, combination, strict=True))
         changed = with_values(scene, values)
-        key = hashlib.sha256(to_toml(changed).encode()).hexdigest()[:12]
+        key = hashlib.sha256(f"{metadata.version('cable-fmu')} {source_hash()}\n{to_toml(changed)}".encode()).hexdigest()[:12]
         found.append(Job(key, changed, values))
     return found
 
 
 def perform(job: Job, folder: str) -> dict[str, Any]:
-    """Run a job and write its series, then its summary: the summary is there only if the series are complete."""
+    """Run a job and write its series, then its summary: the summary is there only if the series are complete.
+
+    A run that stops, or is refused, is a result too: it would do so again.
+    """
     target = Path(folder)
     result, error = None, ""
     try:
         result = simulate(MODELS[job.scene.run.model](job.scene))
-    except SolverError as failure:
+    except (SolverError, ParameterError) as failure:
         error, result = str(failure), getattr(failure, "result", None)
     summary: dict[str, Any] = {"key": job.key, **job.values, "error": error}
     if result is not None:
@@ -98,45 +109,90 @@ def run(
 ) -> list[dict[str, Any]]:
     """Run what has no result yet and return all summaries in order.
 
-    `scheduler` is the address of a dask.distributed scheduler; without one the machine's own cores are used.  A worker that dies
-    costs its own run, which is tried again; what is done stays.
+    `scheduler` is the address of a dask.distributed scheduler; without one the machine's own cores are used.  What a worker was doing
+    that died is tried again, ATTEMPTS times in all; then its summary says so, and is not kept: the next call tries it again.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for attempt in range(ATTEMPTS):
-        left = missing(wanted, folder)
+
+    def told() -> None:
         if progress is not None:
-            progress(len(wanted) - len(left))
-        if not left:
-            break
-        try:
-            for _ in _over_cluster(left, folder, scheduler) if scheduler else _over_cores(left, folder, workers):
-                if progress is not None:
-                    progress(len(wanted) - len(missing(wanted, folder)))
-        except BrokenProcessPool as broken:
-            if attempt == ATTEMPTS - 1:
-                names = ", ".join(str(job.values) for job in missing(wanted, folder)[:workers])
-                raise SolverError(
-                    f"a worker died {ATTEMPTS} times, last at one of: {names}. Finished runs are kept in {folder}."
-                ) from broken
-    return [json.loads((folder / f"{job.key}.json").read_text(encoding="utf-8")) for job in wanted]
+            progress(len(wanted) - len(missing(wanted, folder)))
+
+    told()
+    left = missing(wanted, folder)
+    died = _over_cluster(left, folder, scheduler, told) if scheduler else _over_cores(left, folder, workers, told)
+    return [_summary(job, folder, died) for job in wanted]
 
 
-def _over_cores(left: Sequence[Job], folder: Path, workers: int) -> Iterator[dict[str, Any]]:
-    with ProcessPoolExecutor(max_workers=workers) as pool:
-        for future in as_completed([pool.submit(perform, job, str(folder)) for job in left]):
-            yield future.result()
+def _summary(job: Job, folder: Path, died: Collection[str]) -> dict[str, Any]:
+    if job.key in died:
+        return {"key": job.key, **job.values, "error": f"its worker died {ATTEMPTS} times: out of memory?"}
+    return json.loads((folder / f"{job.key}.json").read_text(encoding="utf-8"))
 
 
-def _over_cluster(left: Sequence[Job], folder: Path, scheduler: str) -> Iterator[dict[str, Any]]:
-    """dask.distributed schedules, and repeats what a lost worker was doing; workers write to the same folder."""
+def _begun(job: Job, folder: Path) -> Path:
+    """A file that is there while a job runs, and stays if its worker dies."""
+    return folder / f"{job.key}.begun"
+
+
+def _attempt(job: Job, folder: str) -> None:
+    mark = _begun(job, Path(folder))
+    mark.touch()
+    perform(job, folder)
+    mark.unlink()
+
+
+def _pool(left: Sequence[Job], folder: Path, workers: int, told: Callable[[], None]) -> list[Job]:
+    """Run jobs until all are done or a worker dies; those that were running then."""
+    for job in left:
+        _begun(job, folder).unlink(missing_ok=True)
     try:
-        from distributed import Client
+        with ProcessPoolExecutor(max_workers=workers) as pool:
+            for future in as_completed([pool.submit(_attempt, job, str(folder)) for job in left]):
+                future.result()
+                told()
+    except BrokenProcessPool:
+        return [job for job in missing(left, folder) if _begun(job, folder).exists()] or list(left[:1])
+    return []
+
+
+def _over_cores(left: Sequence[Job], folder: Path, workers: int, told: Callable[[], None]) -> set[str]:
+    """The keys of jobs whose workers died; after a death each that was running is run alone, to tell which it was."""
+    died: set[str] = set()
+    while left:
+        for job in _pool(left, folder, workers, told):
+            tries = 1
+            while tries < ATTEMPTS and _pool([job], folder, 1, told):
+                tries += 1
+            if tries == ATTEMPTS:
+                died.add(job.key)
+            _begun(job, folder).unlink(missing_ok=True)
+        left = [job for job in missing(left, folder) if job.key not in died]
+    return died
+
+
+def _over_cluster(left: Sequence[Job], folder: Path, scheduler: str, told: Callable[[], None]) -> set[str]:
+    """The keys of jobs whose workers died; dask.distributed schedules, and repeats what a lost worker was doing."""
+    try:
+        from distributed import Client, KilledWorker
         from distributed import as_completed as completed
     except ImportError as absent:
         raise ParameterError("scheduler: dask.distributed is not installed. Install it with pip install 'cable-fmu[cluster]'.") from absent
+    died: set[str] = set()
+    shared = f"{folder}: a worker of the cluster writes elsewhere. Give a folder that this machine and all workers share."
     with Client(scheduler) as client:
-        for future in completed([client.submit(perform, job, str(folder.resolve()), key=f"cable-{job.key}", retries=2) for job in left]):
-            yield future.result()
+        running = {client.submit(perform, job, str(folder.resolve()), key=f"cable-{job.key}", retries=ATTEMPTS - 1): job for job in left}
+        for future in completed(running):
+            try:
+                future.result()
+            except KilledWorker:
+                died.add(running[future].key)
+            except FileNotFoundError as absent:
+                raise ParameterError(shared) from absent
+            told()
+    if {job.key for job in missing(left, folder)} - died:
+        raise ParameterError(shared)
+    return died
 
 
 def write_table(path: Path, summaries: Sequence[dict[str, Any]]) -> None:
