@@ -1,4 +1,4 @@
-"""The command line of accuracy and cost: study, advise, sweep, published, peers."""
+"""The command line of accuracy and cost: study, advise and its trial, sweep, published, limits, peers, targets."""
 
 from __future__ import annotations
 
@@ -69,9 +69,10 @@ def study(
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("reference", total=1.0)
         reference, points = work_precision.study(loaded, quick, lambda text, done: bar.update(task, description=text, completed=done))
-    stem = output / Path(scene).stem
-    work_precision.write_csv(stem.with_suffix(".csv"), loaded, reference, points)
-    work_precision.picture(stem.with_suffix(".png"), loaded, reference, points)
+    name = Path(scene).name.removesuffix(".toml")
+    rows, picture = output / f"{name}.csv", output / f"{name}.png"
+    work_precision.write_csv(rows, loaded, reference, points)
+    work_precision.picture(picture, loaded, reference, points)
     if not reference.converged:
         console.print("[bold red]The reference did not converge[/bold red]: the errors below are against a run that may be wrong itself.")
     for signal in SIGNALS:
@@ -81,7 +82,7 @@ def study(
         for p in work_precision.front(points, signal):
             table.add_row(f"{p.errors[signal]:.1e}", f"{p.cost:.2e}", p.setting.method, p.setting.label)
         console.print(table)
-    console.print(f"wrote {stem.with_suffix('.csv')} and {stem.with_suffix('.png')}")
+    console.print(f"wrote {rows} and {picture}")
 
 
 def advise(
@@ -100,6 +101,8 @@ def advise(
         task = bar.add_task("reference", total=None)
         advice = found.advise(loaded, wanted, of.signals, lambda text: bar.update(task, description=text))
     if not advice.reference.converged:
+        if advice.reference.run.error:
+            raise ParameterError(f"{scene}: no advice: the finest run stopped: {advice.reference.run.error}")
         changes = ", ".join(f"{name} {value:.2g}" for name, value in advice.reference.own_error.items())
         raise ParameterError(
             f"{scene}: no advice: the finest runs still differ ({changes}). Motion is chaotic, or the scene's own nodes and step are far "

@@ -1,6 +1,7 @@
 """Studies: references know their own error, the cheapest front is one, advice holds against an independent finer run, sweeps resume."""
 
 import csv
+import dataclasses
 import json
 import math
 import os
@@ -17,6 +18,7 @@ from cable_model.scene import load, shipped, to_toml, with_values
 from cable_model.studies import advice, reference, settings, sweep, timed, validity, work_precision
 
 SWAY = with_values(load("hanging_chain"), {"run.duration": 4.0, "solver.nodes": 31})
+SHORT = with_values(SWAY, {"run.duration": 0.2})
 
 
 @pytest.fixture(scope="module")
@@ -123,6 +125,46 @@ def test_advise_writes_the_scene_and_says_how_sure_it_is(tmp_path):
     assert load(tmp_path / "chosen.toml").solver.nodes <= SWAY.solver.nodes
 
 
+def test_the_forcing_of_a_table_is_seen_by_its_mean_frequency():
+    rows = [[t, 0.1 * math.sin(2.0 * t), 0.0, 0.05 * math.sin(5.0 * t)] for t in np.linspace(0.0, 4.0 * math.pi, 200)]
+    tabled = with_values(SWAY, {"top.motion": [], "top.table": rows, "run.duration": 4.0 * math.pi})
+    assert validity.forcing(tabled, "x") == pytest.approx([2.0], rel=0.02)
+    assert validity.forcing(tabled) == pytest.approx([2.0, 5.0], rel=0.02)
+
+
+def test_water_that_moves_along_slows_the_bending_of_a_straight_cable():
+    heavy = with_values(SWAY, {"cable.diameter": 0.01, "cable.added_mass_coefficient": 1.0, "water.density": 1000.0})
+    bare = validity.lateral_frequency(SWAY, 5.0)
+    ratio = 1.0 + 1000.0 * 0.25 * math.pi * 0.01**2 / SWAY.cable.mass_per_length
+    assert validity.lateral_frequency(heavy, 5.0) == pytest.approx(bare / math.sqrt(ratio))
+
+
+def test_nothing_is_accurate_against_a_reference_that_stopped():
+    run = timed.timed(SHORT)
+    stopped = dataclasses.replace(run, times=run.times[:2], tension=run.tension[:2], position=run.position[:2], error="it stopped")
+    assert timed.errors(run, stopped, timed.Scale.of(run)) == {"tension": math.inf, "position": math.inf}
+
+
+def test_one_change_is_not_a_convergence():
+    assert reference.remaining(math.inf, 1e-6) == math.inf
+    assert reference.remaining(4e-6, 1e-6) == pytest.approx(1.0 / 3.0)
+
+
+def test_a_top_that_is_refused_on_the_way_ends_its_run_only():
+    fast = [{"kind": "ramp", "axis": "x", "velocity": 1e7, "duration": 2.0}]
+    run = timed.timed(with_values(SWAY, {"top.motion": fast}))
+    assert run.error and run.times[-1] < SWAY.run.duration
+
+
+def test_advice_without_a_reference_says_why(monkeypatch):
+    def stopped(scene, setting=None, repetitions=1, longest=math.inf):
+        return timed.Timed(np.zeros(1), np.zeros(1), np.zeros((1, 3)), 0.0, "Newton's method failed")
+
+    monkeypatch.setattr(reference, "timed", stopped)
+    result = CliRunner().invoke(app, ["advise", "hanging_chain"])
+    assert result.exit_code != 0 and "Newton's method failed" in str(result.exception)
+
+
 def test_scales_rule_the_straight_cable_out():
     deep = with_values(load("towed_body"), {"cable.length": 4000.0})
     assert validity.penetration(deep, 6000.0) < 0.05
@@ -144,7 +186,6 @@ def test_other_accuracies_are_refused(text):
 
 
 SWEEP = {"solver.nodes": [6, 11], "cable.length": [1.5, 1.75]}
-SHORT = with_values(SWAY, {"run.duration": 0.2})
 
 
 def test_a_sweep_resumes_where_it_stopped(tmp_path):

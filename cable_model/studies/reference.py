@@ -51,6 +51,8 @@ def chain_setting(scene: Scene, cells: int, step: float, method: str = "chain", 
 
 def remaining(before: float, last: float) -> float:
     """All further changes over the last one, if they fall as it fell: a third at second order, infinite without a fall."""
+    if not math.isfinite(before):
+        return math.inf
     fall = max(0.25, last / before) if before > 0.0 else 0.25
     return fall / (1.0 - fall) if fall < SLOWEST else math.inf
 

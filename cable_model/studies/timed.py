@@ -98,7 +98,7 @@ def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1, lo
                 if clock.process_time() - begun > longest:
                     raise SolverError(f"given up at {reached * step:.3g} s of simulated time: it takes more than {longest:.3g} s")
             best = min(best, clock.process_time() - begun)
-        except SolverError as failure:
+        except (SolverError, ParameterError) as failure:
             error = str(failure)
             break
     kept = slice(0, reached + 1)
@@ -107,8 +107,13 @@ def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1, lo
 
 
 def errors(run: Timed, reference: Timed, scale: Scale) -> dict[str, float]:
-    """Rms difference over the dynamic rms of the reference, by signal; infinite for a run that did not reach the end."""
-    if run.error or len(run.times) < 2 or run.times[-1] < reference.times[-1] - (run.times[1] - run.times[0]) * (1.0 + 1e-9):
+    """Rms difference over the dynamic rms of the reference, by signal; infinite where either did not reach the end."""
+    if (
+        run.error
+        or reference.error
+        or len(run.times) < 2
+        or run.times[-1] < reference.times[-1] - (run.times[1] - run.times[0]) * (1.0 + 1e-9)
+    ):
         return dict.fromkeys(SIGNALS, math.inf)
     rows = np.rint(run.times / (reference.times[1] - reference.times[0])).astype(int)
     tension = math.sqrt(float(np.mean((run.tension - reference.tension[rows]) ** 2)))

@@ -26,22 +26,32 @@ class Check:
 
 
 def forcing(scene: Scene, axes: str = "xyz") -> list[float]:
-    """Angular frequencies of the top along some axes, and of waves, rad/s."""
+    """Angular frequencies of the top along some axes, and of waves, rad/s; of a table, ramp or step the mean one of each axis."""
     moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
     found = [part.angular_frequency for part in moving]
+    if scene.top.table or any(part.kind != "sinusoid" for part in scene.top.motion):
+        speed, rate = _sampled(scene)
+        spread = speed.std(axis=0)
+        found += [float(np.sqrt(np.mean(rate[:, k] ** 2)) / spread[k]) for k in map("xyz".index, axes) if spread[k] > 0.0]
     waves = parts_of(scene, "chain").waves
     if isinstance(waves, np.ndarray):
         found += [float(row[1]) for row in waves]
     return [omega for omega in found if omega > 0.0]
 
 
-def lateral_motion(scene: Scene) -> tuple[float, float, float]:
-    """Of the top's horizontal motion: amplitude of the unsteady velocity, its angular frequency, and the steady speed through the water."""
+def _sampled(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities and accelerations of the top, (SAMPLES, 3)."""
     motion = top_motion(scene.top, scene.winch)
     rows = np.array([motion(t) for t in np.linspace(0.0, scene.run.duration, SAMPLES)])
-    mean = rows[:, 3:5].mean(axis=0)
-    unsteady = math.sqrt(2.0 * float(np.mean(np.sum((rows[:, 3:5] - mean) ** 2, axis=1))))
-    acceleration = math.sqrt(2.0 * float(np.mean(np.sum(rows[:, 6:8] ** 2, axis=1))))
+    return rows[:, 3:6], rows[:, 6:9]
+
+
+def lateral_motion(scene: Scene) -> tuple[float, float, float]:
+    """Of the top's horizontal motion: amplitude of the unsteady velocity, its angular frequency, and the steady speed through the water."""
+    speed, rate = _sampled(scene)
+    mean = speed[:, :2].mean(axis=0)
+    unsteady = math.sqrt(2.0 * float(np.mean(np.sum((speed[:, :2] - mean) ** 2, axis=1))))
+    acceleration = math.sqrt(2.0 * float(np.mean(np.sum(rate[:, :2] ** 2, axis=1))))
     current = parts_of(scene, "chain").current
     stream = np.asarray(current)[:, 1:].mean(axis=0) if current is not None else np.zeros(2)
     return unsteady, acceleration / unsteady if unsteady > 0.0 else 0.0, float(np.linalg.norm(mean - stream))
@@ -85,8 +95,10 @@ def axial_frequency(scene: Scene) -> float:
 
 
 def lateral_frequency(scene: Scene, tension: float) -> float:
-    """First frequency at which the cable bends as a string under its mean tension, rad/s."""
-    return math.pi / scene.cable.length * math.sqrt(tension / scene.cable.mass_per_length)
+    """First frequency at which the cable, and the water that it moves, bends as a string under its mean tension, rad/s."""
+    cable = scene.cable
+    water = scene.water.density * cable.added_mass_coefficient * 0.25 * math.pi * cable.diameter**2 if scene.water is not None else 0.0
+    return math.pi / cable.length * math.sqrt(tension / (cable.mass_per_length + water))
 
 
 def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:

@@ -49,7 +49,9 @@ class Motion:
 
     @property
     def rise(self) -> float:
-        """How high the tip comes above where it hung, before JUDGED, m."""
+        """How high the tip comes above where it hung, before JUDGED, m; not a number where the run stopped."""
+        if not len(self.times):
+            return math.nan
         return float((self.tip[self.times <= JUDGED, 1] - self.tip[0, 1]).max())
 
 
@@ -102,6 +104,8 @@ def measure(quick: bool = False, told: Callable[[str], None] | None = None) -> F
     runs, references = {}, {}
     for grid in grids:
         references[grid] = moved(scene, grid, "lambda -0.5", min(steps) / 16.0)
+        if not len(references[grid].times):
+            raise SolverError(f"{grid}: the run that the others are judged by stopped.")
         for member in MEMBERS:
             for step in steps:
                 if told is not None:
