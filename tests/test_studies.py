@@ -202,6 +202,16 @@ def test_a_sweep_resumes_where_it_stopped(tmp_path):
     assert len((tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()) == 5
 
 
+def test_the_command_writes_a_table_of_all_runs(tmp_path):
+    path = tmp_path / "sweep.toml"
+    (tmp_path / "short.toml").write_text(to_toml(SHORT), encoding="utf-8")
+    path.write_text('scene = "short.toml"\n[vary]\n"solver.nodes" = [6, 7]\n', encoding="utf-8")
+    result = CliRunner().invoke(app, ["sweep", str(path), "-o", str(tmp_path / "found"), "--workers", "1"])
+    assert result.exit_code == 0, result.output
+    with (tmp_path / "found" / "table.csv").open(encoding="utf-8") as file:
+        assert [row["solver.nodes"] for row in csv.DictReader(file)] == ["6", "7"]
+
+
 def _die_once(job, folder):
     """As perform, but its worker is gone the first time."""
     from pathlib import Path
