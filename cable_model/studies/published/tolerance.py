@@ -19,7 +19,7 @@ from cable_model.studies.timed import SIGNALS, Scale, errors
 NAME = "tolerance"
 TOLERANCES = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 LAMBDAS = (-0.9, -0.5)
-MOST_STEPS = 100_000  # of a run under error control, before it is given up
+MOST_STEPS = 150_000  # of a run under error control, before it is given up
 MARGIN = 3.0  # an error below this many of the reference's own is not judged
 NEWTON, REJECTED = OUTPUTS.index("solver.newton_iterations"), OUTPUTS.index("solver.rejected_steps")
 
