@@ -114,6 +114,9 @@ def markdown(costs: list[Cost], proof: str = "") -> str:
         "medians of interleaved repetitions.  Read the ratios: microseconds are those of one machine,",
         f"{machine()}.",
         "",
+        "Where a step takes more than one iteration, part of the ratio is the motion's, not the effect's: the drag of still water bends",
+        "sharply wherever the cable's velocity changes its sign, which it does not in a current faster than the motion.",
+        "",
         "| effects | us per node and step | iterations per step | ratio to the bare chain |",
         "|---|---:|---:|---:|",
     ]

@@ -28,7 +28,7 @@ def _pictures(folder: Path, quick: bool) -> None:
 def _effects(folder: Path, quick: bool) -> None:
     from cable_model.cli import bench
 
-    bench(1 if quick else 15, folder / "cost_of_effects.md", ["bare chain", "bending"] if quick else None, absent=not quick)
+    bench(1 if quick else 7, folder / "cost_of_effects.md", ["bare chain", "bending"] if quick else None, absent=not quick)
 
 
 def _limits(folder: Path, quick: bool) -> None:
