@@ -12,6 +12,7 @@ from cable_model.errors import ParameterError
 from cable_model.hard.cases import BASIN, basin_label
 from cable_model.peers import cabledyn, compare, deck, moordyn
 from cable_model.scene import load, with_values
+from cable_model.studies.cost_cases import SHIFTED
 from cable_model.studies.timed import Scale, errors, timed
 
 
@@ -77,7 +78,7 @@ def test_a_peer_that_cannot_run_a_case_is_shown_with_the_reason(monkeypatch):
         raise deck.NotTranslated("it cannot let go")
 
     monkeypatch.setattr(compare, "CODES", {"theirs": lambda scene, segments: [("5 segments", cannot)]})
-    short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
+    short = compare.Case("free_chain", {**SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], told=lambda line: None)
     assert row.by_itself.why == row.by_ours.why == "it cannot let go"
@@ -99,7 +100,7 @@ def test_a_code_is_judged_by_a_finer_mesh_of_its_own_and_by_our_reference(monkey
 
     settings = lambda scene, segments: [(f"{segments} segments", partial(wrong, segments=segments))]  # noqa: E731
     monkeypatch.setattr(compare, "CODES", {"theirs": settings})
-    short = compare.Case("free_chain", {**compare.SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
+    short = compare.Case("free_chain", {**SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})
     (row,) = compare.compare("short", [0.01], (10, 20), told=lambda line: None)
     assert row.by_itself.setting == "10 segments" and row.by_itself.cost == pytest.approx(0.1 / 3.0)

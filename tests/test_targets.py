@@ -7,6 +7,7 @@ import pytest
 
 from cable_model.hard import basin
 from cable_model.peers import targets
+from cable_model.studies.cost_cases import SHIFTED
 from cable_model.studies.published.modes import displaced_tip
 from cable_model.studies.timed import timed
 
@@ -24,7 +25,7 @@ def test_tip_of_the_displaced_chain_lags_behind_a_fast_shift_and_follows_a_slow_
 
 
 def test_fine_chain_follows_the_displaced_chains_series():
-    scene = targets.scene_at("free_chain", targets.SHIFTED, 101, 0.0025, -1.0)
+    scene = targets.scene_at("free_chain", SHIFTED, 101, 0.0025, -1.0)
     assert targets.shift_error(scene, timed(scene)) < 3e-4
 
 

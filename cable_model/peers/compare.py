@@ -12,6 +12,7 @@ from cable_model.machine import machine
 from cable_model.peers import cabledyn, deck, moordyn
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.advice import advise
+from cable_model.studies.cost_cases import CIRCLE, SHIFTED, WIRE
 from cable_model.studies.timed import SIGNALS, Scale, Timed, errors, timed, worst
 
 ACCURACIES = (0.01, 0.003)
@@ -22,16 +23,6 @@ IMPLICIT_STEPS = (1, 2, 5, 10, 20)  # an output step: those of CableDyn, which i
 REPETITIONS = 5
 LONGEST = 30.0  # processor seconds of a run: finer settings of that code are not tried
 PROBE = 0.01  # of a run, by which its time is judged beforehand
-HEAVE = [{"kind": "sinusoid", "axis": "z", "amplitude": 1.0, "angular_frequency": 0.2 * math.pi, "ramp_time": 10.0}]
-SHIFT, SHIFT_TIME = 1e-3, 2.2  # m, s: of the free chain's top, which then stands still
-SHIFTED: Mapping[str, object] = {
-    "cable.bending_stiffness": 0.0, "lower_end.release_force": 0.0, "run.output_step": 0.1,
-    "top.motion": [
-        {"kind": "sinusoid", "axis": "x", "amplitude": SHIFT, "angular_frequency": 0.0, "phase": 0.5 * math.pi, "ramp_time": SHIFT_TIME}
-    ],
-}  # fmt: skip
-CIRCLE = {"cable.bending_stiffness": 0.0, "current.levels": (), "run.duration": 690.0}
-WIRE = {"cable.axial_damping": 0.0, "top.motion": HEAVE, "run.duration": 60.0, "run.output_step": 0.1, "solver.lambda_infinity": -0.9}
 Changes = Mapping[str, object]
 Simulate = Callable[[Scene], Timed]
 

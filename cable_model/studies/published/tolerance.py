@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cable_model.peers.compare import SHIFTED, WIRE
 from cable_model.scene import Scene, load, with_values
 from cable_model.signals import OUTPUTS
+from cable_model.studies.cost_cases import SHIFTED, WIRE
 from cable_model.studies.published.bounded import STEPS, run
 from cable_model.studies.published.page import Page
 from cable_model.studies.timed import SIGNALS, Scale, errors
