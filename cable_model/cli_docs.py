@@ -15,6 +15,7 @@ from cable_model.errors import ParameterError, SolverError, unknown
 
 console = Console()
 PICTURED = ("dale_sphere", "hanging_chain", "towed_body")
+STUDIED = ("hanging_chain", "towed_body")
 QUICK_PEER = "C3 sphere, EA 22 N"
 
 
@@ -36,7 +37,8 @@ def _limits(folder: Path, quick: bool) -> None:
 
 
 def _study(folder: Path, quick: bool) -> None:
-    cli_studies.study("hanging_chain", folder / "studies", quick)
+    for scene in STUDIED[: 1 if quick else None]:
+        cli_studies.study(scene, folder / "studies", quick)
 
 
 def _advice(folder: Path, quick: bool) -> None:

@@ -120,17 +120,21 @@ def _runs(code: str, scene: Scene, numbers: Sequence[int], told: Callable[[str],
     done: list[Run] = []
     left_out = ""
     short = with_values(scene, {"run.duration": max(PROBE * scene.run.duration, 2.0 * scene.run.output_step)})
-    for segments, (words, run) in ((n, setting) for n in numbers for setting in CODES[code](scene, n)):
-        told(f"{code}: {words}")
-        try:
-            expected = run(short).seconds * scene.run.duration / short.run.duration
-        except deck.NotTranslated as reason:
-            return [], str(reason)
-        if expected > LONGEST:
-            left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
-            continue
-        again = partial(run, scene)
-        done.append(Run(segments, words, again, again()))
+    for segments in numbers:
+        before = len(done)
+        for words, run in CODES[code](scene, segments):
+            told(f"{code}: {words}")
+            try:
+                expected = run(short).seconds * scene.run.duration / short.run.duration
+            except deck.NotTranslated as reason:
+                return [], str(reason)
+            if expected > LONGEST:
+                left_out = left_out or f"{words} would take {expected / scene.run.duration:.2g} s/s"
+                continue
+            again = partial(run, scene)
+            done.append(Run(segments, words, again, again()))
+        if len(done) == before:  # more segments take longer still
+            break
     return done, left_out
 
 

@@ -100,7 +100,7 @@ def write_csv(path: Path, scene: Scene, reference: Reference, points: Sequence[P
 
 
 def picture(path: Path, scene: Scene, reference: Reference, points: Sequence[Point]) -> None:
-    """Log-log, a panel a signal: each method's best, every run as a dot, and the cheapest front with its settings."""
+    """Log-log, a panel a signal: each method's best, every run as a dot, the cheapest front with its settings, and what effects matter."""
     chosen = list(dict.fromkeys(p.setting.method for p in points if not p.setting.method.startswith(WITHOUT)))
     figure, panels = plt.subplots(1, 2, figsize=(12, 5.5), sharey=False)
     titles = {"tension": "top tension", "position": "position of the lower end"}
@@ -123,6 +123,11 @@ def picture(path: Path, scene: Scene, reference: Reference, points: Sequence[Poi
             if p.errors[signal] < 0.45 * marked:
                 marked = p.errors[signal]
                 axis.annotate(p.setting.label or p.setting.method, (p.errors[signal], p.cost), fontsize=6, xytext=(3, -8),
+                              textcoords="offset points")  # fmt: skip
+        for p in points:
+            if p.setting.method.startswith(WITHOUT) and 0.0 < p.errors[signal] < 3.0:
+                axis.plot(p.errors[signal], p.cost, "D", color="black", markersize=4)
+                axis.annotate(p.setting.method.removeprefix("chain "), (p.errors[signal], p.cost), fontsize=6, xytext=(4, 4),
                               textcoords="offset points")  # fmt: skip
         if reference.converged:
             axis.axvline(reference.own_error[signal], color="grey", linestyle=":", linewidth=1, label="reference's own error")
