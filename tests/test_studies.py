@@ -139,6 +139,18 @@ def test_water_that_moves_along_slows_the_bending_of_a_straight_cable():
     assert validity.lateral_frequency(heavy, 5.0) == pytest.approx(bare / math.sqrt(ratio))
 
 
+def test_a_spring_with_a_third_of_the_mass_errs_by_a_quarter_of_the_axial_phase_squared():
+    long = with_values(SWAY, {"cable.length": 17.5, "cable.mass_per_length": 0.1, "cable.axial_stiffness": 1e3})
+    phase = validity.axial_phase(long)
+    assert phase == pytest.approx(6.5348 * 17.5 * 0.01, rel=1e-3)
+    x = 0.1
+    for mu in (0.0, 1.0, 10.0):
+        exact = x * (math.tan(x) + mu * x) / (1.0 - mu * x * math.tan(x))
+        lumped = x**2 * ((mu + 1.0 / 3.0) / (1.0 - x**2 * (mu + 1.0 / 3.0)) + 2.0 / 3.0)
+        assert 0.2 < (exact - lumped) / (exact * x**2) < 0.45
+    assert not next(check for check in validity.straight_enough(long) if "wave along" in check.words).holds
+
+
 def test_nothing_is_accurate_against_a_reference_that_stopped():
     run = timed.timed(SHORT)
     stopped = dataclasses.replace(run, times=run.times[:2], tension=run.tension[:2], position=run.position[:2], error="it stopped")

@@ -94,6 +94,16 @@ def axial_frequency(scene: Scene) -> float:
     return math.sqrt(cable.axial_stiffness / cable.length / mass)
 
 
+def axial_phase(scene: Scene) -> float:
+    """Phase of the fastest forcing's wave along the length, rad: omega L/c.  A spring and a third of the mass err by about phase^2/4.
+
+    Top force of a bar with mass ratio mu at its end, over EA/L: phase (tan(phase) + mu phase)/(1 - mu phase tan(phase)); the lumped one
+    differs by phase^2 (2/9 + mu/3)/(1 + mu) of it.
+    """
+    cable = scene.cable
+    return max(forcing(scene), default=0.0) * cable.length * math.sqrt(cable.mass_per_length / cable.axial_stiffness)
+
+
 def lateral_frequency(scene: Scene, tension: float) -> float:
     """First frequency at which the cable, and the water that it moves, bends as a string under its mean tension, rad/s."""
     cable = scene.cable
@@ -117,6 +127,7 @@ def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:
     depth, deep = penetration(scene, tension), least_depth(accuracy)
     bow = steady_bow(scene, tension)
     omegas = forcing(scene)
+    phase, short = axial_phase(scene), 2.0 * math.sqrt(limit)
     axial, lateral = axial_frequency(scene), lateral_frequency(scene, tension)
     apart = min((max(axial / w, w / axial) for w in omegas), default=math.inf)
     highest, slow = max(forcing(scene, "xy"), default=0.0), lateral * math.sqrt(8.0 * limit) / math.pi
@@ -124,6 +135,7 @@ def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:
         Check(f"drag penetrates {depth:.2g} lengths (at least {deep:.2g})", depth >= deep),
         Check(f"steady drag bows the cable by {bow:.2g} of its length (at most {limit:.2g})", bow <= limit),
         Check(f"nearest forcing is {apart:.3g} times off the axial frequency {axial:.3g} rad/s (at least {RESONANT:g})", apart >= RESONANT),
+        Check(f"fastest forcing is {phase:.2g} rad of a wave along the cable (at most {short:.2g})", phase <= short),
         Check(f"lateral forcing up to {highest:.3g} rad/s (at most {slow:.3g}; the cable bends at {lateral:.3g})", highest <= slow),
         Check(f"least tension {run.tension.min():.3g} N of a mean of {tension:.3g} N: not slack", bool(run.tension.min() > 0.02 * tension)),
     ]
