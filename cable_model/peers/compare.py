@@ -147,6 +147,8 @@ def _cheapest(runs: Sequence[Run], reference: Timed, duration: float, accuracy: 
         if found <= accuracy:
             return Reached(run.words, run.seconds / duration)
         least = min(least, found)
+    if not runs:
+        return Reached("", math.inf, "no coarser mesh ran")
     return Reached(
         "", math.inf, f"none of its runs is nearer than {100.0 * least:.2g} %" if math.isfinite(least) else "none of its runs ended"
     )
