@@ -98,7 +98,9 @@ def test_a_code_is_judged_by_a_finer_mesh_of_its_own_and_by_our_reference(monkey
         run = timed(scene)
         return dataclasses.replace(run, position=(2.0 + 1e-4 / segments) * run.position, seconds=0.01 * segments)
 
-    settings = lambda scene, segments: [(f"{segments} segments", partial(wrong, segments=segments))]  # noqa: E731
+    def settings(scene, segments):
+        return [(f"{segments} segments", partial(wrong, segments=segments))]
+
     monkeypatch.setattr(compare, "CODES", {"theirs": settings})
     short = compare.Case("free_chain", {**SHIFTED, "cable.axial_stiffness": 1e4, "run.duration": 3.0}, ("position",))
     monkeypatch.setattr(compare, "CASES", {"short": short})

@@ -58,11 +58,17 @@ def _item_of_optional_tuple(context, builder, sig, args):
     return impl_ret_borrowed(context, builder, sig.return_type, builder.extract_value(holder.data, args[1]))
 
 
+class _NeverRun(codegen.JITCodeLibrary):
+    """LLVM code only: nothing is called in this process, where code for this machine would take most of the time."""
+
+    def _finalize_specific(self) -> None:
+        """Leave out what makes it executable."""
+
+
 def take_over() -> None:
     """Let the kernels, which must not be imported yet, be compiled by this file's functions, and to LLVM code only."""
     jit.kernel = kernel
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence
-    # nothing is called in this process: code for this machine would take most of the time
-    codegen.JITCodeLibrary._finalize_specific = lambda library: None  # type: ignore[method-assign]
+    codegen.JITCPUCodegen._library_class = _NeverRun
