@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from cable_model.quantity import quantity
@@ -30,6 +31,15 @@ class Cable:
     )
     compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
     inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
+
+    @property
+    def displaced_area(self) -> float:
+        """Displaced volume per length, m2."""
+        return self.volume_per_length if self.volume_per_length >= 0.0 else 0.25 * math.pi * self.diameter**2
+
+    def added_mass(self, density: float) -> float:
+        """Normal added mass per length in water of a density, kg/m."""
+        return self.added_mass_coefficient * density * 0.25 * math.pi * self.diameter**2
 
 
 @dataclass(frozen=True)

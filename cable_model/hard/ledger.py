@@ -28,8 +28,7 @@ class Ledger:
         self.gravity = scene.environment.gravity
         self.density = scene.water.density if scene.water is not None else 0.0
         cable = scene.cable
-        self.displaced_area = cable.volume_per_length if cable.volume_per_length >= 0.0 else 0.25 * np.pi * cable.diameter**2
-        self.added = self.density * 0.25 * np.pi * cable.diameter**2 * cable.added_mass_coefficient
+        self.displaced_area, self.added = cable.displaced_area, cable.added_mass(self.density)
         self.now = layout.cut(model.parts, model.numbers, model.state, model._work)
         self.numeric = build(model.parts, model.numbers, 0.0).numeric
         self.c = coefficients(int(model.numbers[23]), model.numbers[22])

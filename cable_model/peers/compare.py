@@ -159,7 +159,8 @@ def compare(
 ) -> list[Row]:
     """Rows of a case, the peers with `segments`.  Times are medians of REPETITIONS runs, of the steps alone, all in this process."""
     chosen = CASES[case]
-    scene, signals, duration = chosen.load(), chosen.signals, chosen.load().run.duration
+    scene, signals = chosen.load(), chosen.signals
+    duration = scene.run.duration
     theirs = {code: _runs(code, scene, segments, told) for code in CODES}
     rows = []
     for accuracy in accuracies:

@@ -50,8 +50,7 @@ def _held_aside(scene: Scene) -> np.ndarray:
 
 def displaced_diameter(cable: Cable) -> float:
     """The diameter that displaces the cable's volume, m: the only one that the input file has, for drag, added mass and seabed too."""
-    given = math.sqrt(4.0 * cable.volume_per_length / np.pi) if cable.volume_per_length > 0.0 else cable.diameter
-    return given or 1e-3
+    return 2.0 * math.sqrt(cable.displaced_area / math.pi) or 1e-3
 
 
 def text(scene: Scene, segments: int, options: Sequence[str]) -> str:

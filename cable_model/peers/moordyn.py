@@ -21,7 +21,7 @@ def _seabed(scene: Scene) -> tuple[str, ...]:
         return ("0 kBot", "0 cBot")
     diameter = deck.displaced_diameter(cable)
     stiffness = seabed.stiffness * cable.diameter  # per length
-    water = scene.water.density * cable.added_mass_coefficient * 0.25 * np.pi * cable.diameter**2 if scene.water is not None else 0.0
+    water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
     damping = 2.0 * seabed.damping_ratio * np.sqrt(stiffness * (cable.mass_per_length + water))
     return (f"{stiffness / diameter} kBot", f"{damping / diameter} cBot", f"{seabed.friction_coefficient} FrictionCoefficient",
             "1 StatDynFricScale")  # fmt: skip

@@ -180,12 +180,12 @@ def _basin(case: str, best_peer: str, words: str, simulate: Callable[[Scene], Ti
             raise SolverError(f"{case}: {run.error}")
         return run
 
-    sought = []
-    for period, limit in zip(basin.WITH_SERIES, (0.056, 0.024), strict=True):
-        miss = basin.miss(run_at(0.2, period).tension, period)
-        sought.append(Sought(f"series at {period:g} s, rms over its range", miss, limit))
-    maxima = [basin.cycles(run_at(radius, period).tension).max(axis=1).mean() - measured for radius, period, measured in basin.maxima()]
-    sought.append(Sought("18 mean cycle maxima, rms N", float(np.sqrt(np.mean(np.square(maxima)))), 1.5))
+    tensions = {(radius, period): run_at(radius, period).tension for radius, period, _ in basin.maxima()}
+    sought = [
+        Sought(f"series at {period:g} s, rms over its range", basin.miss(tensions[0.2, period], period), limit)
+        for period, limit in zip(basin.WITH_SERIES, (0.056, 0.024), strict=True)
+    ]
+    sought.append(Sought("18 mean cycle maxima, rms N", basin.maxima_error(lambda radius, period: tensions[radius, period]), 1.5))
     cost = median(run_at(0.2, basin.WITH_SERIES[0]).seconds for _ in range(REPETITIONS)) / (BASIN_CYCLES * basin.WITH_SERIES[0])
     return Outcome(case, best_peer, words, tuple(sought), cost, 0.012)
 

@@ -107,7 +107,7 @@ def axial_phase(scene: Scene) -> float:
 def lateral_frequency(scene: Scene, tension: float) -> float:
     """First frequency at which the cable, and the water that it moves, bends as a string under its mean tension, rad/s."""
     cable = scene.cable
-    water = scene.water.density * cable.added_mass_coefficient * 0.25 * math.pi * cable.diameter**2 if scene.water is not None else 0.0
+    water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
     return math.pi / cable.length * math.sqrt(tension / (cable.mass_per_length + water))
 
 
