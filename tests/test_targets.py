@@ -45,6 +45,17 @@ def test_a_periodic_series_has_no_scatter(monkeypatch):
     assert basin.scatter(1.25) == pytest.approx(0.01, rel=0.1)
 
 
+def test_a_tension_is_judged_by_its_mean_cycle_maxima_and_by_its_series(monkeypatch):
+    samples = np.arange(12 * 125 + 1) / 125.0
+    measured = basin.maxima()[:, 2]
+    found = basin.maxima_error(lambda radius, period: 50.0 - 3.0 * (1.0 - np.cos(2.0 * np.pi * samples)))
+    assert found == pytest.approx(math.sqrt(np.mean((50.0 - measured) ** 2)))
+    times = 0.01 * np.arange(1500)
+    monkeypatch.setattr(basin, "series", lambda period: (times, 20.0 + 10.0 * np.sin(2.0 * np.pi * times / period)))
+    assert basin.miss(20.0 + 10.0 * np.cos(2.0 * np.pi * samples), 1.25) == pytest.approx(0.0, abs=0.003)  # at whatever phase
+    assert basin.miss(22.0 + 10.0 * np.cos(2.0 * np.pi * samples), 1.25) == pytest.approx(0.1, abs=0.001)
+
+
 def test_table_scales_the_costs_to_this_machine_and_says_what_is_not_met():
     sought = (targets.Sought("good", 0.5, 1.0), targets.Sought("bad", 2.0, 1.0))
     found = targets.Targets((targets.Outcome("a", "peer", "ours", sought, 0.3, 1.0),), 0.5 * targets.YARDSTICK_COST, 0.02)
