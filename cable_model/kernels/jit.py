@@ -5,20 +5,22 @@ kernel file does, so kernels may live in several small files.  With NUMBA_DISABL
 
 A kernel is two compiled functions: one that Python calls, and one that other kernels call.  numba optimizes every jitted function
 to machine code with all that it calls, so a call tree of depth ten is optimized ten times over.  The second kind stays LLVM code,
-not optimized, until a function that Python calls takes it in: a third of the compile time.  This needs numba's inner workings; with
-a version other than those it was tested with, kernels are ordinary jitted functions.
+not optimized, until a function that Python calls takes it in: a third of the compile time.  And no kernel allocates, so none counts
+references (numba's option _nrt): a sixth less time to compile, and to run.  Both need numba's inner workings; with a version other than
+those they were tested with, kernels are ordinary jitted functions, and a warning says so.
 """
 
 import functools
 import hashlib
 import sys
+import warnings
 from pathlib import Path
 
 import numba
 from numba import njit
 
-TESTED = ("0.68.",)  # versions of numba in which TakenIn was found to work
-OPTIONS = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
+TESTED = ("0.61.", "0.63.", "0.65.", "0.68.")  # versions of numba in which TakenIn and _nrt were found to work
+ORDINARY = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
 
 
 @functools.cache
@@ -37,10 +39,26 @@ def _cache_folder() -> str:
 
 
 @functools.cache
+def options():
+    """numba's options for what Python calls."""
+    if numba.config.DISABLE_JIT:
+        return ORDINARY
+    if not numba.__version__.startswith(TESTED):
+        tested = ", ".join(version.rstrip(".") for version in TESTED)
+        warnings.warn(
+            f"numba {numba.__version__}, while {tested} are those that were tested: kernels are compiled in the ordinary way, which takes "
+            "three times as long, and results are the same. Install one of these for quick starts.",
+            stacklevel=2,
+        )
+        return ORDINARY
+    return {**ORDINARY, "_nrt": False}
+
+
+@functools.cache
 def inner_options():
     """numba's options for what only kernels call."""
-    if numba.config.DISABLE_JIT or not numba.__version__.startswith(TESTED):
-        return OPTIONS
+    if "_nrt" not in options():
+        return ORDINARY
     from numba import _dynfunc
     from numba.core.compiler import CompilerBase, DefaultPassBuilder, _LowerResult
     from numba.core.compiler_machinery import register_pass
@@ -73,7 +91,7 @@ def inner_options():
             passes.finalize()
             return [passes]
 
-    return {**OPTIONS, "pipeline_class": Compiler}
+    return {**options(), "pipeline_class": Compiler}
 
 
 def kernel(function):
@@ -82,7 +100,7 @@ def kernel(function):
     if not saved:
         numba.config.CACHE_DIR = _cache_folder()
     try:
-        called_by_python = njit(cache=True, **OPTIONS)(function)
+        called_by_python = njit(cache=True, **options())(function)
     finally:
         numba.config.CACHE_DIR = saved
     if "pipeline_class" in inner_options():

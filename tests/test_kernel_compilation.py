@@ -1,0 +1,59 @@
+"""How kernels are compiled: numba's private options change no bit, and a version of numba that nobody tried gets none of them."""
+
+import subprocess
+import sys
+import warnings
+
+import numba
+import pytest
+
+from cable_model.kernels import jit
+
+RUN = """
+from cable_model.kernels import jit
+private = {private}
+if not private:
+    jit.TESTED = ()
+import warnings
+with warnings.catch_warnings(record=True):
+    warnings.simplefilter("always")
+    assert ("_nrt" in jit.options()) == ("pipeline_class" in jit.inner_options()) == private
+from cable_model import TowCable, load
+from cable_model.motion import top_motion
+scene = load("dale_sphere")
+model, motion = TowCable(scene), top_motion(scene.top)
+model.initialize(motion(0.0))
+for k in range(50):
+    model.advance(0.1 * k, 0.1, motion(0.1 * k), motion(0.1 * (k + 1), -1))
+print(model.state.tobytes().hex())
+"""
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_private_options_change_no_bit(tmp_path_factory: pytest.TempPathFactory) -> None:
+    states = []
+    for private in (True, False):
+        folder = tmp_path_factory.mktemp("cache")  # numba's cache does not know the options
+        environment = {"XDG_CACHE_HOME": str(folder), "PATH": "", "PYTHONPATH": ":".join(sys.path)}
+        done = subprocess.run(
+            [sys.executable, "-c", RUN.format(private=private)], env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+        states.append(done.stdout)
+    assert len(states[0]) > 100
+    assert states[0] == states[1]
+
+
+def test_an_untried_numba_gets_ordinary_options_and_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "TESTED", ("0.1.", "0.2."))
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", 0)
+    with pytest.warns(UserWarning, match=r"numba .*, while 0\.1, 0\.2 are those that were tested: .* Install one of these"):
+        assert jit.options.__wrapped__() == jit.ORDINARY
+
+
+def test_the_numba_at_hand_is_a_tried_one() -> None:
+    if numba.config.DISABLE_JIT:
+        pytest.skip("nothing is compiled")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert jit.options.__wrapped__()["_nrt"] is False
