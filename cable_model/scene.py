@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.errors import ParameterError, refuse, unknown
-from cable_model.kernels.parts import INTEGRATORS, PARAMETERS, Parts
+from cable_model.kernels.parts import INTEGRATORS, PARAMETERS, Parts, record
 from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
 from cable_model.quantity import build, quantity
 from cable_model.sea import check_waves, components
@@ -248,9 +248,9 @@ def parts_of(scene: Scene, model: str) -> Parts:
     )
 
 
-def numbers_of(scene: Scene) -> np.ndarray:
-    """The flat parameter vector of the kernels, in the order of PARAMETERS."""
-    return np.array([_number(scene, name) for name in PARAMETERS])
+def numbers_of(scene: Scene) -> np.recarray:
+    """The numbers of the kernels, an array of one record."""
+    return record({name: _number(scene, name) for name in PARAMETERS})
 
 
 def _number(scene: Scene, name: str) -> float:

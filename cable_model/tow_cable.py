@@ -9,7 +9,7 @@ import numpy as np
 
 from cable_model.errors import unknown
 from cable_model.kernels import header
-from cable_model.kernels.parts import PARAMETERS, Parts
+from cable_model.kernels.parts import PARAMETERS, Parts, record
 from cable_model.model import Model
 from cable_model.signals import OUTPUTS
 
@@ -38,11 +38,10 @@ class TowCable(Model):
         for name in p:
             if name not in PARAMETERS:
                 raise unknown(name, PARAMETERS, "parameter")
-        values = DEFAULTS | dict(p)
         model = cls.__new__(cls)
         model.motion_order = 2
         model.parts = parts
-        model.numbers = np.array([float(values.get(name, 0.0)) for name in PARAMETERS])
+        model.numbers = record(DEFAULTS | dict(p))
         model._calls = model._just_in_time()
         return model
 

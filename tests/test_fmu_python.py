@@ -278,7 +278,7 @@ _plain_numbers = numbers_of
 
 def numbers_of(scene):
     numbers = _plain_numbers(scene)
-    numbers[PARAMETERS.index("environment.gravity")] *= {factor}
+    numbers.environment.gravity *= {factor}
     return numbers
 """
     scene.write_text(text + wrapped, encoding="utf-8")

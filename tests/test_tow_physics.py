@@ -8,7 +8,7 @@ from tow_reference import DRY, NUMBERS, SHEAR, SLOW, WAVES, WET, Reference, circ
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_step
 from cable_model.kernels import tow as kernels
-from cable_model.kernels.parts import PARAMETERS, Parts
+from cable_model.kernels.parts import Parts, record
 
 VARIANTS = {
     "all": ({}, WET._replace(waves=WAVES)),
@@ -28,7 +28,7 @@ def states(count, seed):
 
 def kernel_numbers(changes):
     values = NUMBERS | {"tow.body_angle": 18.0, "cable.volume_per_length": -1.0} | changes
-    return np.array([values.get(name, 0.0) for name in PARAMETERS])
+    return record(values)
 
 
 def force_and_tensions(parts, c, top, time, motion):

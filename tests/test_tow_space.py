@@ -9,7 +9,7 @@ from cable_model import TowCable, load
 from cable_model.errors import ParameterError
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
-from cable_model.kernels.parts import PARAMETERS
+from cable_model.kernels.parts import record
 from cable_model.scene import with_values
 
 SPACE = WET._replace(space=True)
@@ -23,7 +23,7 @@ VARIANTS = {
 
 def numbers(changes):
     values = NUMBERS | {"tow.body_angle": 18.0, "cable.volume_per_length": -1.0} | changes
-    return np.array([values.get(name, 0.0) for name in PARAMETERS])
+    return record(values)
 
 
 def states(count, seed):

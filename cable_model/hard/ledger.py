@@ -31,7 +31,8 @@ class Ledger:
         self.displaced_area, self.added = cable.displaced_area, cable.added_mass(self.density)
         self.now = layout.cut(model.parts, model.numbers, model.state, model._work)
         self.numeric = build(model.parts, model.numbers, 0.0).numeric
-        self.c = coefficients(int(model.numbers[23]), model.numbers[22])
+        solver = model.numbers[0].solver
+        self.c = coefficients(int(solver.integrator), solver.lambda_infinity)
 
     @property
     def weight(self) -> float:

@@ -20,15 +20,15 @@ def _presence(present, value):
 def build(parts, p, pull, moves=1.0):
     """The problem that the parameters describe; `moves` 0 for statics."""
     cable = cable_part(parts.water, p)
-    wave_damping = p[26] * math.sqrt(cable.stiffness * cable.mass)
+    wave_damping = p[0].solver.slack_damping * math.sqrt(cable.stiffness * cable.mass)
     reference = math.sqrt(max(cable.gravity, 1e-3) * cable.length)
     numeric = Numeric(
-        p[25] * total_weight(parts, p),
+        p[0].solver.slack_smoothing * total_weight(parts, p),
         abs(body_weight(body_part(parts.body, parts.water, p))),
         max(abs(cable.weight), 1e-6 * cable.mass * cable.gravity, 1e-12 * cable.stiffness / cable.length),
         _presence(parts.slack, wave_damping),
-        _presence(parts.voigt, p[5]),
-        _presence(parts.bending, p[4]),
+        _presence(parts.voigt, p[0].cable.axial_damping),
+        _presence(parts.bending, p[0].cable.bending_stiffness),
         pull,
         1e-8 * reference,
         1e-8 * reference,
@@ -72,12 +72,14 @@ def _no_ground(seabed, parts, p, cable, moves):
 
 @kernel
 def _grounded(seabed, parts, p, cable, moves):
-    stiffness = p[36] * cable.diameter
+    bed = p[0].seabed
+    stiffness = bed.stiffness * cable.diameter
     length = cable.length
     weight = max(abs(cable.weight), 1e-6 * total_weight(parts, p) / length)
     hung = abs(body_weight(body_part(parts.body, parts.water, p))) / weight
-    lag = moves * 2.0 * p[37] * math.sqrt(cable.mass / stiffness)
-    return Ground(p[35], stiffness, lag, moves, p[38], p[39], hung, p[25] * weight)
+    lag = moves * 2.0 * bed.damping_ratio * math.sqrt(cable.mass / stiffness)
+    smoothing = p[0].solver.slack_smoothing * weight
+    return Ground(bed.level, stiffness, lag, moves, bed.friction_coefficient, bed.friction_velocity, hung, smoothing)
 
 
 _ground = by_presence(_no_ground, _grounded)

@@ -31,7 +31,7 @@ def _free(anchor, space, p):
 
 @kernel
 def _anchored(anchor, space, p):
-    return axes(space, p[13], p[14], p[15])
+    return axes(space, p[0].lower_end.x, p[0].lower_end.y, p[0].lower_end.z)
 
 
 _anchor = by_presence(_free, _anchored)
@@ -50,8 +50,8 @@ def initialize(parts, p, time, state, work):
 def settle(parts, p, time, state, work):
     """Static equilibrium under the top of the header."""
     view = cut(parts, p, state, work)
-    problem = build(parts, p, p[16], 0.0)
-    grid.place_nodes(parts.box, parts.anchor, problem, p[20], view.mesh)
+    problem = build(parts, p, p[0].lower_end.release_force, 0.0)
+    grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
     top = top_at(parts, state, 0)
     return grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
 
@@ -229,16 +229,16 @@ def advance(parts, p, time, span, path, state, work):
     if _leaves_plane(parts.space, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
-    c = coefficients(int(p[23]), p[22])
-    tolerance = min(p[24], LARGEST_TOLERANCE)
+    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    tolerance = min(p[0].solver.tolerance, LARGEST_TOLERANCE)
     gravity = max(problem.cable.gravity, 1e-3)
-    longest = min(p[21], math.sqrt(problem.cable.length / gravity))
-    base = span / max(1, math.ceil(span / p[21] - 1e-9))
+    longest = min(p[0].solver.time_step, math.sqrt(problem.cable.length / gravity))
+    base = span / max(1, math.ceil(span / p[0].solver.time_step - 1e-9))
     state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], LEAST_MOTION * gravity)
     allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
     h = base
     if tolerance > 0.0:
-        h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[21]
+        h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[0].solver.time_step
     elif 0.0 < state[header.NEXT_STEP] < base:
         h = state[header.NEXT_STEP]
     done = 0.0
@@ -264,7 +264,7 @@ def advance(parts, p, time, span, path, state, work):
             state[header.ERROR_TIME] = time + done
             _note_worst(view.scratch.x, state)
             h = 0.25 * used
-            if h < SMALLEST_STEP * p[21]:
+            if h < SMALLEST_STEP * p[0].solver.time_step:
                 return header.STEP_TOO_SMALL
             continue
         proposal = base
@@ -277,10 +277,10 @@ def advance(parts, p, time, span, path, state, work):
                 # an error that falls from step to step, or does not fall with the step, is what earlier steps left to ring:
                 # smaller steps would excite more of it
                 rings = error < state[header.LAST_ERROR] or (tried > 0.0 and error > 0.4 * tried)
-                if error > 2.0 * allowed and used > SMALLEST_STEP * p[21] and not rings:
+                if error > 2.0 * allowed and used > SMALLEST_STEP * p[0].solver.time_step and not rings:
                     state[header.REJECTED] += 1.0
                     tried = error
-                    h = max(used * max(0.3, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[21])
+                    h = max(used * max(0.3, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[0].solver.time_step)
                     continue
                 ratio = error / allowed
                 if rings:
@@ -289,7 +289,7 @@ def advance(parts, p, time, span, path, state, work):
                 tried = 0.0
             growth = min(2.0, max(0.3, 0.85 / math.sqrt(max(ratio, 1e-6))))
             kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
-            proposal = min(p[21], max(used * growth, kept, SMALLEST_STEP * p[21]))
+            proposal = min(p[0].solver.time_step, max(used * growth, kept, SMALLEST_STEP * p[0].solver.time_step))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
         _accept(parts, view, used, used < tiny)
@@ -330,7 +330,7 @@ def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
-    c = coefficients(int(p[23]), p[22])
+    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     top = top_at(parts, state, 0)
     winding = _winding_now(parts.winch, problem, state)
     force, t, position, velocity, end, largest, smallest, slack = grid.measure(

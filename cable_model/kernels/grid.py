@@ -85,7 +85,7 @@ equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
 def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     status = staggered_chain.starting_rates(
         parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force,
-        top, velocity, acceleration, winding, time, p[21], view.scratch,
+        top, velocity, acceleration, winding, time, p[0].solver.time_step, view.scratch,
     )  # fmt: skip
     n = view.mesh.shape[0] + 1
     for i in range(n - 1):
@@ -97,7 +97,7 @@ def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, 
 
 @kernel
 def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
-    h = p[21] if p[24] == 0.0 else 0.01 * p[21]
+    h = p[0].solver.time_step if p[0].solver.tolerance == 0.0 else 0.01 * p[0].solver.time_step
     return box_chain.starting_rates(
         parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
     )

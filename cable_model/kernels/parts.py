@@ -1,10 +1,15 @@
-"""What describes a problem: one flat vector of numbers, and which parts are present.  No kernels: it can be read without numba.
+"""What describes a problem: a record of numbers, and which parts are present.  No kernels: it can be read without numba.
 
-A part that a scene does not name is None: numba compiles a kernel without its terms.  Kernels call the flat vector, in the order of
-PARAMETERS (SI units), `p`; C code fills the same vector in the native FMU.
+A part that a scene does not name is None: numba compiles a kernel without its terms.  Kernels call the numbers `p`, an array of one
+record of SI values by name, `p[0].cable.length`; in memory it is one flat vector in the order of PARAMETERS, which C code fills in
+the native FMU.
 """
 
+import itertools
+from collections.abc import Mapping
 from typing import NamedTuple
+
+import numpy as np
 
 INTEGRATORS = {
     "generalized-alpha": 0,
@@ -24,6 +29,7 @@ PARAMETERS = (
     "cable.normal_drag_coefficient",
     "cable.tangential_drag_coefficient",
     "cable.added_mass_coefficient",
+    "cable.volume_per_length",
     "body.mass",
     "body.volume",
     "body.drag_area",
@@ -55,8 +61,16 @@ PARAMETERS = (
     "seabed.damping_ratio",
     "seabed.friction_coefficient",
     "seabed.friction_velocity",
-    "cable.volume_per_length",
 )
+
+_GROUPS = {part: [name.partition(".")[2] for name in names] for part, names in itertools.groupby(PARAMETERS, lambda n: n.partition(".")[0])}
+NUMBERS = np.dtype([(part, [(key, np.float64) for key in keys]) for part, keys in _GROUPS.items()], align=True)
+
+
+def record(values: Mapping[str, float]) -> np.recarray:
+    """The numbers of kernels, an array of one record, from values by the names of PARAMETERS (SI); what is not given is 0."""
+    flat = np.array([float(values.get(name, 0.0)) for name in PARAMETERS])
+    return flat.view(NUMBERS).view(np.recarray)
 
 
 class Parts(NamedTuple):

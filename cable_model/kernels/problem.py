@@ -1,4 +1,4 @@
-"""Cable, body and water as named constants, cut from the flat vector `p` of parts.PARAMETERS."""
+"""Cable, body and water as named constants, from the record `p` of all numbers (parts.NUMBERS)."""
 
 from typing import NamedTuple
 
@@ -43,40 +43,46 @@ class Water(NamedTuple):
 @kernel
 def displaced_area(p):
     """Displaced volume per unstretched length, m2: that of the diameter unless given."""
-    if p[40] >= 0.0:
-        return p[40]
-    return 0.25 * 3.141592653589793 * p[1] * p[1]
+    cable = p[0].cable
+    if cable.volume_per_length >= 0.0:
+        return cable.volume_per_length
+    return 0.25 * 3.141592653589793 * cable.diameter * cable.diameter
 
 
 @kernel
 def cable_part(water, p):
     area = displaced_area(p)
+    cable, gravity = p[0].cable, p[0].environment.gravity
+    mass = cable.mass_per_length
     density = 0.0
     if water is not None:
-        density = p[18]
-    return Cable(p[0], p[1], p[2], p[3], p[17], (p[2] - density * area) * p[17])
+        density = p[0].water.density
+    return Cable(cable.length, cable.diameter, mass, cable.axial_stiffness, gravity, (mass - density * area) * gravity)
 
 
 @kernel
 def body_part(body, water, p):
     if body is None:
         return None
+    hung = p[0].body
     density = 0.0
     if water is not None:
-        density = p[18]
+        density = p[0].water.density
     added = 0.0
     if water is not None:
-        added = p[12]
-    return Body(p[9], added, density * p[10], (p[9] - density * p[10]) * p[17], 0.5 * density * p[11])
+        added = hung.added_mass
+    weight = (hung.mass - density * hung.volume) * p[0].environment.gravity
+    return Body(hung.mass, added, density * hung.volume, weight, 0.5 * density * hung.drag_area)
 
 
 @kernel
 def water_part(water, p):
     if water is None:
         return None
-    added = p[18] * 0.25 * 3.141592653589793 * p[1] * p[1] * p[8]
-    drag = 0.5 * p[18] * p[1]
-    return Water(drag * p[6], drag * p[7], added, p[18] * displaced_area(p))
+    cable, density = p[0].cable, p[0].water.density
+    added = density * 0.25 * 3.141592653589793 * cable.diameter * cable.diameter * cable.added_mass_coefficient
+    drag = 0.5 * density * cable.diameter
+    return Water(drag * cable.normal_drag_coefficient, drag * cable.tangential_drag_coefficient, added, density * displaced_area(p))
 
 
 @kernel
@@ -96,7 +102,7 @@ def body_mass(body):
 
 @kernel
 def node_count(p):
-    return int(p[19])
+    return int(p[0].solver.nodes)
 
 
 @kernel

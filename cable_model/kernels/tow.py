@@ -10,7 +10,6 @@ from typing import NamedTuple
 from cable_model.kernels.fluid import current_velocity
 from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.parts import PARAMETERS
 from cable_model.kernels.problem import body_part, cable_part, total_weight
 from cable_model.kernels.waves import wave_motion
 
@@ -22,19 +21,6 @@ PLANE = HEADER + 4  # y (FMI axes) of the plane of motion
 EVALUATIONS = HEADER + 5  # right-hand sides computed so far
 STATE = HEADER + 6
 WORK = 40
-
-POISSON = PARAMETERS.index("tow.poisson_ratio")
-REFERENCE_TENSION = PARAMETERS.index("tow.reference_tension")
-SEGMENTS = PARAMETERS.index("tow.drag_segments")
-MINIMUM_TENSION = PARAMETERS.index("tow.minimum_tension")
-ADDED_MASS_VERTICAL = PARAMETERS.index("tow.added_mass_vertical")
-DRAG_AREA_AXIAL = PARAMETERS.index("tow.drag_area_axial")
-BODY_ANGLE = PARAMETERS.index("tow.body_angle")
-DENSITY = PARAMETERS.index("water.density")
-NORMAL_DRAG = PARAMETERS.index("cable.normal_drag_coefficient")
-TANGENTIAL_DRAG = PARAMETERS.index("cable.tangential_drag_coefficient")
-ADDED_MASS = PARAMETERS.index("cable.added_mass_coefficient")
-AXIAL_DAMPING = PARAMETERS.index("cable.axial_damping")
 
 
 class Tow(NamedTuple):
@@ -94,7 +80,7 @@ def kept_inertia(cable_mass, as_printed, mass):
 def density_of(water, p):
     if water is None:
         return 0.0
-    return p[DENSITY]
+    return p[0].water.density
 
 
 @kernel
@@ -104,15 +90,15 @@ def body_masses(body, water, p):
         return 0.0, 0.0, 0.0, 0.0, 0.0
     b = body_part(body, water, p)
     density = density_of(water, p)
-    vertical = p[ADDED_MASS_VERTICAL] if density > 0.0 else 0.0
-    return b.mass + b.added_mass, b.mass + vertical, b.weight, b.drag, 0.5 * density * p[DRAG_AREA_AXIAL]
+    vertical = p[0].tow.added_mass_vertical if density > 0.0 else 0.0
+    return b.mass + b.added_mass, b.mass + vertical, b.weight, b.drag, 0.5 * density * p[0].tow.drag_area_axial
 
 
 @kernel
 def voigt_coefficient(voigt, p):
     if voigt is None:
         return 0.0
-    return p[AXIAL_DAMPING]
+    return p[0].cable.axial_damping
 
 
 @kernel
@@ -126,11 +112,11 @@ def constants(parts, p):
     cable = cable_part(parts.water, p)
     density = density_of(parts.water, p)
     spring = cable.stiffness / cable.length
-    stretch = p[REFERENCE_TENSION] / spring
-    contraction = p[POISSON] / cable.length
+    stretch = p[0].tow.reference_tension / spring
+    contraction = p[0].tow.poisson_ratio / cable.length
     diameter = zero_tension_diameter(parts.as_printed, cable.diameter, contraction * stretch)
     mass = cable.mass * cable.length
-    added = p[ADDED_MASS] * density * 0.25 * math.pi * diameter * diameter
+    added = p[0].cable.added_mass_coefficient * density * 0.25 * math.pi * diameter * diameter
     mass_x, mass_y, body_weight, drag, drag_axial = body_masses(parts.body, parts.water, p)
     inertia = kept_inertia(parts.cable_mass, parts.as_printed, mass)
     return Tow(
@@ -138,24 +124,24 @@ def constants(parts, p):
         cable.length - stretch,
         spring,
         voigt_coefficient(parts.voigt, p) / cable.length,
-        p[MINIMUM_TENSION],
+        p[0].tow.minimum_tension,
         contraction,
         kept_mass(parts.cable_mass, mass),
         inertia,
         kept_mass(parts.cable_mass, added),
         kept_inertia(parts.cable_mass, parts.as_printed, added),
         cable.weight * cable.length,
-        0.5 * density * p[NORMAL_DRAG] * diameter,
-        0.5 * density * p[TANGENTIAL_DRAG] * diameter,
-        max(1, int(p[SEGMENTS])),
+        0.5 * density * p[0].cable.normal_drag_coefficient * diameter,
+        0.5 * density * p[0].cable.tangential_drag_coefficient * diameter,
+        max(1, int(p[0].tow.drag_segments)),
         mass_x,
         mass_y,
         body_weight,
         drag,
         drag_axial,
-        abs(p[BODY_ANGLE]) > math.pi,
-        math.sin(p[BODY_ANGLE]),
-        math.cos(p[BODY_ANGLE]),
+        abs(p[0].tow.body_angle) > math.pi,
+        math.sin(p[0].tow.body_angle),
+        math.cos(p[0].tow.body_angle),
         total_weight(parts, p),
         max(math.sqrt(abs(cable.gravity) / cable.length), 1e-3),
         math.sqrt(spring / max(min(mass_x, mass_y) + inertia / 3.0, 1e-300)),

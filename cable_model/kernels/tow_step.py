@@ -23,7 +23,6 @@ from cable_model.kernels.header import (
     TOP,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.parts import PARAMETERS
 from cable_model.kernels.top import evaluate, leaves_plane, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
@@ -54,9 +53,6 @@ from cable_model.kernels.vector import diagonal
 
 __all__ = ("advance", "initialize", "node_positions", "outputs", "state_size", "work_size")
 
-TIME_STEP = PARAMETERS.index("solver.time_step")
-TOLERANCE = PARAMETERS.index("solver.tolerance")
-EXPLICIT = PARAMETERS.index("tow.explicit")
 MAX_EVENTS = 60  # trials to end a step on an event
 
 
@@ -218,14 +214,14 @@ def advance(parts, p, time, h, path, state, work):
         return failed(status, state, time, 0.0)
     y, frame = motion_of(parts.space, state)
     drive = Drive(path, h, time, frame)
-    explicit = p[EXPLICIT] > 0.5
-    tolerance = max(p[TOLERANCE], 0.0)
+    explicit = p[0].tow.explicit > 0.5
+    tolerance = max(p[0].solver.tolerance, 0.0)
     fixed = not tolerance > 0.0
-    pieces = max(1, math.ceil(h / p[TIME_STEP] * (1.0 - 1e-12))) if fixed else 1
+    pieces = max(1, math.ceil(h / p[0].solver.time_step * (1.0 - 1e-12))) if fixed else 1
     graze = max(0.1 * tolerance, 1e-9) * c.force
     wanted = h
     if not fixed:
-        wanted = state[NEXT_STEP] if state[NEXT_STEP] > 0.0 else (p[TIME_STEP] if p[TIME_STEP] > 0.0 else h)
+        wanted = state[NEXT_STEP] if state[NEXT_STEP] > 0.0 else (p[0].solver.time_step if p[0].solver.time_step > 0.0 else h)
     elapsed, size, piece, flips = 0.0, 0.0, 1, 0
     steps, newton, rejected, evaluations = 0, 0, 0, 1
     f = derivative(parts, c, drive, 0.0, y, 0.0)

@@ -107,18 +107,18 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.kernels import header, top
-    from cable_model.kernels.parts import PARAMETERS, Parts
+    from cable_model.kernels.parts import Parts
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
     advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
     state_size, work_size = kernels.state_size, kernels.work_size
     ok = header.OK
-    n_inputs, n_numbers, n_parts, n_outputs = len(INPUTS), len(PARAMETERS), len(Parts._fields), len(OUTPUTS)
+    n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(OUTPUTS)
 
     def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
         inputs = carray(x, (n_inputs,))
-        numbers = carray(p, (n_numbers,))
+        numbers = carray(p, (1,))
         parts = parts_now(carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6)))
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
@@ -149,12 +149,14 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
 def _compile(entry: Any) -> tuple[str, Any]:
     """Symbol and LLVM module of an entry, not optimized, without a wrapper for Python."""
-    from numba import types
+    from numba import from_dtype, types
     from numba.core import compiler
     from numba.core.registry import cpu_target
 
-    kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64)}
-    arguments = tuple(kinds[kind] for kind in "iddippppipipipip")  # as ENTRY
+    from cable_model.kernels.parts import NUMBERS
+
+    kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
+    arguments = tuple(kinds[kind] for kind in "iddipnppipipipip")  # as ENTRY
     flags: Any = compiler.Flags()
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
     flags.enable_pyobject = False
