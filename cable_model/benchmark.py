@@ -9,6 +9,7 @@ import statistics
 import time
 from dataclasses import dataclass
 
+from cable_model.effects import COST_CASES
 from cable_model.machine import machine
 from cable_model.model import Model
 from cable_model.models import MODELS
@@ -22,37 +23,13 @@ BARE = {
     "solver": {"nodes": 101, "time_step": 0.005},
     "run": {"duration": 2.0, "output_step": 0.1},
 }
-WATER: dict[str, object] = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
-SEA = {"waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
-SEABED: dict[str, object] = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
+NAMED_WITH_0 = ("cable.bending_stiffness", "cable.axial_damping", "body.mass", "waves.amplitude")
 CASES: dict[str, dict[str, object]] = {
     "bare chain": {},
-    "bare chain, absent effects named with 0": {
-        "cable.bending_stiffness": 0.0,
-        "cable.axial_damping": 0.0,
-        "body.mass": 0.0,
-        "waves.amplitude": 0.0,
-    },
-    "linear law instead of slack": {"cable.compressible": True},
-    "bending": {"cable.bending_stiffness": 5e-6},
-    "material damping": {"cable.axial_damping": 10.0},
-    "body": {"body.mass": 0.1},
-    "water": WATER,
-    "water and current": {**WATER, "current.speed": 0.1},
-    "water and waves": {**WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
-    "water and 20 waves": {**WATER, **SEA},
-    "water and 60 waves": {**WATER, **SEA, "waves.components": 60},
-    "water and 20 waves, finite depth": {**WATER, **SEA, "water.depth": 10.0},
-    "water and 20 waves, stretched": {**WATER, **SEA, "waves.surface": "wheeler"},
-    "water and 20 waves, cut": {**WATER, **SEA, "waves.surface": "cut"},
-    "seabed": SEABED,
-    "seabed and friction": {**SEABED, "seabed.friction_coefficient": 0.3},
-    "winch": {"winch.fitted": True},
-    "table of the axial stiffness": {"cable.stiffness_curve": [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]},
-    "space": {"solver.space": True},
-    "space and bending": {"solver.space": True, "cable.bending_stiffness": 5e-6},
-    "box grid": {"solver.grid": "box"},
-    "box grid and bending": {"solver.grid": "box", "cable.bending_stiffness": 5e-6},
+    "bare chain, absent effects named with 0": dict.fromkeys(NAMED_WITH_0, 0.0),
+    **COST_CASES,
+    "space and bending": {**COST_CASES["space"], **COST_CASES["bending"]},
+    "box grid and bending": {**COST_CASES["box grid"], **COST_CASES["bending"]},
 }
 
 

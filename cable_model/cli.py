@@ -14,12 +14,12 @@ from rich.table import Table
 
 from cable_model import cli_docs, cli_studies
 from cable_model.comparison import Difference, compare
-from cable_model.effects import effects, unknowns_per_node
 from cable_model.errors import ParameterError, SolverError, unknown
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.scene import Scene, load, shipped
+from cable_model.simulated import effects, unknowns_per_node
 from cable_model.simulation import COLUMNS, Result, read_csv, simulate, write_csv
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, help="Underwater and hanging cables under a moving top end.")

@@ -1,92 +1,241 @@
-"""Which effects a scene switches on, and why: the words behind the parts that the kernels get."""
+"""THE table of effects: one row an effect, from which everything that must know of an effect derives.  Data only; no physics.
+
+To add an effect: a row here, its values in parameters.py, a kernel that is called where the equation has it, and its tests.  From the
+row follow the kernels' parts and numbers, what a scene switches on and why, what a model or grid refuses, parameters and variants of
+FMUs, what `advise` may leave out, what a peer is not told of, and the cost table.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
-from cable_model.scene import Scene, parts_of
+import numpy as np
+
+from cable_model import tables
+from cable_model.condition import Changed, Chosen, Condition, Given, On
+from cable_model.kernels.parts import parts_type
+
+CHAIN, TOW = "chain", "tow"
+STAGGERED, BOX = "staggered", "box"
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One optional effect of a scene."""
+    """One row."""
 
     name: str
-    active: bool
-    why: str
+    words: str  # in lists of effects; rows with the same words are told as one, "" is not told
+    on: Condition | None  # what a scene must say, in a model and on a grid that has the effect, with all that it needs; None: nothing
+    because: tuple[str, ...]  # the values that decide: lists name the first that is given
+    needs: tuple[str, ...] = ()  # effects without which it is off
+    models: tuple[str, ...] = (CHAIN, TOW)
+    grids: tuple[str, ...] = (STAGGERED, BOX)  # of the chain
+    asked: Condition | None = None  # what a model or grid without it refuses; None: `on`
+    instead: str = ""  # what a grid without it does, which is then no reason to refuse
+    remedy: str = 'Set solver.grid = "staggered".'  # where the grid has it not
+    part: bool = True  # whether kernels are compiled with it or without it
+    table: Callable[[Any], Any] | None = None  # makes what kernels get in place of True
+    numbers: tuple[str, ...] = ()  # values that kernels get; FMUs have them as parameters
+    parameters: tuple[str, ...] = ()  # FMU parameters beside these
+    native: str = "either"  # in a native FMU without a baked scene: either; always, where zeros give its absence; present; absent
+    left_out: Mapping[str, Any] = field(default_factory=dict)  # the values without it, where a scene makes sense without it
+    called: str = ""  # what `advise` calls it; "": as `words`
+    costs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # cases of the cost table
+    told_to_peers: bool = False  # whether every code that we are compared with simulates it, or its absence changes no physics
+    inverse: bool = False  # `words` name what its absence leaves in
+    missing: str = ""  # why this effect, and one that needs it, is off in a scene without its table
 
 
-def _number(name: str, value: float, unit: str) -> str:
-    return f"{name} = {value:g} {unit}".rstrip()
+_WATER = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
+_SEA = {**_WATER, "waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
+_SEABED = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
+_CURVE = [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]
+
+EFFECTS = (
+    Effect(
+        "body", "body", Given("body.mass"), ("body.mass",), told_to_peers=True,
+        numbers=("body.mass", "body.volume", "body.drag_area", "body.added_mass"),
+        costs={"body": {"body.mass": 0.1}},
+    ),
+    Effect(
+        "anchor", "anchored lower end", Given("lower_end.anchored") & ~On("released"), ("lower_end.anchored",),
+        numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
+    ),
+    Effect(
+        "released", "", Given("lower_end.released"), ("lower_end.released",), models=(CHAIN,), grids=(STAGGERED,), part=False,
+        told_to_peers=True,
+    ),
+    Effect(
+        "held_aside", "", Given("lower_end.release_force"), ("lower_end.release_force",), models=(CHAIN,), part=False, told_to_peers=True,
+        numbers=("lower_end.release_force",),
+    ),
+    Effect(
+        "water", "water: buoyancy, drag, added mass", Given("water.density"), ("water.density",), told_to_peers=True, missing="no [water]",
+        numbers=(
+            "water.density", "cable.diameter", "cable.normal_drag_coefficient", "cable.tangential_drag_coefficient",
+            "cable.added_mass_coefficient", "cable.volume_per_length",
+        ),
+        costs={"water": _WATER},
+    ),
+    Effect(
+        "current", "current", Given("current.levels", column=1) | Given("current.speed") & ~Given("current.levels"),
+        ("current.levels", "current.speed"), needs=("water",), table=tables.current, native="always",
+        parameters=("current.speed", "current.direction"), left_out={"current.speed": 0.0, "current.levels": ()},
+        costs={"water and current": {**_WATER, "current.speed": 0.1}},
+    ),
+    Effect(
+        "waves", "waves", Given("waves.amplitude") | Given("waves.spectrum") | Given("waves.table"),
+        ("waves.spectrum", "waves.table", "waves.amplitude"), needs=("water",), table=tables.waves, native="always",
+        parameters=("waves.amplitude", "waves.period", "waves.direction", "waves.phase"),
+        left_out={"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": ()},
+        costs={
+            "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
+            "water and 20 waves": _SEA,
+            "water and 60 waves": {**_SEA, "waves.components": 60},
+        },
+    ),
+    Effect(
+        "finite_depth", "finite depth of the waves", Given("water.depth"), ("water.depth",), needs=("water", "waves"), native="absent",
+        left_out={"water.depth": 0.0}, costs={"water and 20 waves, finite depth": {**_SEA, "water.depth": 10.0}},
+    ),
+    Effect(
+        "stretched", "waves up to the surface as it is", Chosen("waves.surface", "wheeler"), ("waves.surface",), needs=("water", "waves"),
+        native="absent", left_out={"waves.surface": "held"}, called="surface of the waves",
+        costs={"water and 20 waves, stretched": {**_SEA, "waves.surface": "wheeler"}},
+    ),
+    Effect(
+        "cut", "waves up to the surface as it is", Chosen("waves.surface", "cut"), ("waves.surface",), needs=("water", "waves"),
+        native="absent", costs={"water and 20 waves, cut": {**_SEA, "waves.surface": "cut"}},
+    ),
+    Effect(
+        "voigt", "material axial damping", Given("cable.axial_damping"), ("cable.axial_damping",), told_to_peers=True,
+        numbers=("cable.axial_damping",), native="always", left_out={"cable.axial_damping": 0.0}, called="material damping",
+        costs={"material damping": {"cable.axial_damping": 10.0}},
+    ),
+    Effect(
+        "space", "motion out of the vertical plane", Given("solver.space"), ("solver.space",), grids=(STAGGERED,), told_to_peers=True,
+        remedy='Set solver.grid = "staggered" for motion in space.', parameters=("solver.space",), native="absent",
+        left_out={"solver.space": False}, costs={"space": {"solver.space": True}},
+    ),
+    Effect(
+        "bending", "bending", Given("cable.bending_stiffness"), ("cable.bending_stiffness",), models=(CHAIN,),
+        numbers=("cable.bending_stiffness",), left_out={"cable.bending_stiffness": 0.0},
+        costs={"bending": {"cable.bending_stiffness": 5e-6}},
+    ),
+    Effect(
+        "box", "", Given("solver.grid"), ("solver.grid",), models=(CHAIN,), grids=(BOX,), told_to_peers=True, parameters=("solver.grid",),
+        native="absent", costs={"box grid": {"solver.grid": "box"}},
+    ),
+    Effect(
+        "inextensible", "stretch", Given("cable.inextensible"), ("cable.inextensible",), models=(CHAIN,), grids=(BOX,), told_to_peers=True,
+        remedy='Set solver.grid = "box", or raise axial_stiffness.', parameters=("cable.inextensible",), native="absent", inverse=True,
+    ),
+    Effect(
+        "slack", "slack (no compression)", ~Given("cable.compressible"), ("cable.compressible",), models=(CHAIN,), grids=(STAGGERED,),
+        asked=Given("cable.compressible") | Changed("solver.slack_smoothing") | Changed("solver.slack_damping"),
+        instead="the box grid uses the linear law", numbers=("solver.slack_smoothing", "solver.slack_damping"),
+        parameters=("cable.compressible",), told_to_peers=True, costs={"linear law instead of slack": {"cable.compressible": True}},
+    ),
+    Effect(
+        "seabed", "seabed", Given("seabed.stiffness"), ("seabed.stiffness",), models=(CHAIN,), grids=(STAGGERED,),
+        numbers=("seabed.level", "seabed.stiffness", "seabed.damping_ratio"), costs={"seabed": _SEABED},
+    ),
+    Effect(
+        "friction", "friction along the seabed", Given("seabed.friction_coefficient"), ("seabed.friction_coefficient",), needs=("seabed",),
+        models=(CHAIN,), grids=(STAGGERED,), numbers=("seabed.friction_coefficient", "seabed.friction_velocity"),
+        left_out={"seabed.friction_coefficient": 0.0}, costs={"seabed and friction": {**_SEABED, "seabed.friction_coefficient": 0.3}},
+    ),
+    Effect(
+        "winch", "winch", Given("winch.fitted"), ("winch.fitted",), models=(CHAIN,), grids=(STAGGERED,), parameters=("winch.fitted",),
+        costs={"winch": {"winch.fitted": True}},
+    ),
+    Effect(
+        "curve", "table of the axial stiffness", Given("cable.stiffness_curve"), ("cable.stiffness_curve",), models=(CHAIN,),
+        grids=(STAGGERED,), table=tables.stiffness_curve, native="absent", left_out={"cable.stiffness_curve": ()},
+        costs={"table of the axial stiffness": {"cable.stiffness_curve": _CURVE}},
+    ),
+    Effect(
+        "cable_mass", "cable mass", Given("tow.cable_mass"), ("tow.cable_mass",), models=(TOW,), asked=~Given("tow.cable_mass"),
+        parameters=("tow.cable_mass",),
+    ),
+    Effect(
+        "tension_floor", "tension floor", None, ("tow.minimum_tension",), models=(TOW,), asked=Given("tow.minimum_tension"),
+        numbers=("tow.minimum_tension",), native="present",
+    ),
+    Effect(
+        "thinning", "thinning under stretch", Given("tow.poisson_ratio"), ("tow.poisson_ratio",), models=(TOW,), part=False,
+        numbers=("tow.poisson_ratio", "tow.reference_tension"),
+    ),
+    Effect(
+        "as_printed", "the report's misprints", Given("tow.as_printed"), ("tow.as_printed",), models=(TOW,), parameters=("tow.as_printed",),
+    ),
+)  # fmt: skip
+
+# numbers that are no effect's, which a model asks for in any case; `top.motion_order` is the one that kernels do not get
+SETTINGS: Mapping[str, tuple[str, ...]] = {
+    "top.motion_order": (CHAIN, TOW),
+    "cable.length": (CHAIN, TOW),
+    "cable.mass_per_length": (CHAIN, TOW),
+    "cable.axial_stiffness": (CHAIN, TOW),
+    "environment.gravity": (CHAIN, TOW),
+    "solver.nodes": (CHAIN,),
+    "solver.grading": (CHAIN,),
+    "solver.time_step": (CHAIN, TOW),
+    "solver.lambda_infinity": (CHAIN,),
+    "solver.integrator": (CHAIN,),
+    "solver.tolerance": (CHAIN, TOW),
+    "tow.drag_segments": (TOW,),
+    "tow.added_mass_vertical": (TOW,),
+    "tow.drag_area_axial": (TOW,),
+    "tow.body_angle": (TOW,),
+    "tow.explicit": (TOW,),
+}
+INSTEAD = {"tow.added_mass_vertical": "body.added_mass"}  # what takes the place of a negative value
+
+# -- what derives from it without a scene
+
+BY_NAME = {effect.name: effect for effect in EFFECTS}
+PARTS = tuple(effect.name for effect in EFFECTS if effect.part)
+Parts: Any = parts_type(PARTS)  # what a problem has, see kernels.parts
 
 
-def effects(scene: Scene, model: str | None = None) -> tuple[Effect, ...]:
-    """Every effect of a model ("chain" or "tow"), whether the scene has it, and the value that decides."""
-    model = model or scene.run.model
-    parts = parts_of(scene, model)
-    cable, body, wet = scene.cable, scene.body, parts.water is not None
-    dry = "no [water]"
-    listed = [
-        ("body", parts.body, _number("body.mass", body.mass, "kg")),
-        ("anchored lower end", parts.anchor, f"lower_end.anchored = {str(scene.lower_end.anchored).lower()}"),
-        ("water: buoyancy, drag, added mass", parts.water, _number("water.density", scene.water.density, "kg/m3") if scene.water else dry),
-        ("current", parts.current, _current(scene) if wet else dry),
-        ("waves", parts.waves, _waves(scene) if wet else dry),
-        ("finite depth of the waves", parts.finite_depth, _number("water.depth", scene.water.depth, "m") if scene.water and wet else dry),
-        ("waves up to the surface as it is", parts.stretched or parts.cut, f"waves.surface = {scene.waves.surface}" if wet else dry),
-        ("material axial damping", parts.voigt, _number("cable.axial_damping", cable.axial_damping, "N.s")),
-        ("motion out of the vertical plane", parts.space, f"solver.space = {str(scene.solver.space).lower()}"),
-    ]
-    if model == "chain":
-        box = parts.box is not None
-        listed += [
-            ("bending", parts.bending, _number("cable.bending_stiffness", cable.bending_stiffness, "N.m2")),
-            ("stretch", None if parts.inextensible else True, f"cable.inextensible = {str(cable.inextensible).lower()}"),
-            (
-                "slack (no compression)",
-                parts.slack,
-                "the box grid uses the linear law" if box else f"cable.compressible = {str(cable.compressible).lower()}",
-            ),
-            ("seabed", parts.seabed, _number("seabed.stiffness", scene.seabed.stiffness, "Pa/m")),
-            ("friction along the seabed", parts.friction, _number("seabed.friction_coefficient", scene.seabed.friction_coefficient, "")),
-            ("winch", parts.winch, f"winch.fitted = {str(scene.winch.fitted).lower()}"),
-            ("table of the axial stiffness", parts.curve, f"cable.stiffness_curve has {len(cable.stiffness_curve)} rows"),
-        ]
-    else:
-        listed += [
-            ("cable mass", parts.cable_mass, f"tow.cable_mass = {str(scene.tow.cable_mass).lower()}"),
-            ("tension floor", parts.tension_floor, _number("tow.minimum_tension", scene.tow.minimum_tension, "N")),
-            ("thinning under stretch", scene.tow.poisson_ratio or None, _number("tow.poisson_ratio", scene.tow.poisson_ratio, "")),
-            ("the report's misprints", parts.as_printed, f"tow.as_printed = {str(scene.tow.as_printed).lower()}"),
-        ]
-    return tuple(Effect(name, present is not None, why) for name, present, why in listed)
+def _by_part(names: list[str]) -> Mapping[str, list[str]]:
+    """The keys of dotted names by their first word, in the order of its first use."""
+    order = {part: k for k, part in enumerate(dict.fromkeys(name.partition(".")[0] for name in names))}
+    ordered = sorted(names, key=lambda name: order[name.partition(".")[0]])
+    return {part: [name.partition(".")[2] for name in group] for part, group in itertools.groupby(ordered, lambda n: n.partition(".")[0])}
 
 
-def _waves(scene: Scene) -> str:
-    if scene.waves.spectrum != "none":
-        return f"waves.spectrum = {scene.waves.spectrum}, {scene.waves.components} components"
-    if scene.waves.table:
-        return f"waves.table has {len(scene.waves.table)} rows"
-    return _number("waves.amplitude", scene.waves.amplitude, "m")
+_GROUPS = _by_part([name for name in SETTINGS if name != "top.motion_order"] + [name for effect in EFFECTS for name in effect.numbers])
+PARAMETERS = tuple(f"{part}.{key}" for part, keys in _GROUPS.items() for key in keys)
+# kernels read p[0].cable.length; in memory one flat vector in the order of PARAMETERS, which C code fills in the native FMU
+NUMBERS = np.dtype([(part, [(key, np.float64) for key in keys]) for part, keys in _GROUPS.items()], align=True)
 
 
-def _current(scene: Scene) -> str:
-    if scene.current.levels:
-        return f"current.levels has {len(scene.current.levels)} rows"
-    return _number("current.speed", scene.current.speed, "m/s")
+def record(values: Mapping[str, float]) -> np.recarray:
+    """The numbers of kernels, an array of one record, from values by the names of PARAMETERS (SI); what is not given is 0."""
+    return np.array([float(values.get(name, 0.0)) for name in PARAMETERS]).view(NUMBERS).view(np.recarray)
 
 
-def unknowns_per_node(scene: Scene, model: str | None = None) -> int:
-    """Unknowns that are solved for at each node of the chain; for TowCable its degrees of freedom in all."""
-    model = model or scene.run.model
-    parts = parts_of(scene, model)
-    if model == "tow":
-        return 3 if parts.space is not None else 2
-    if parts.box is not None:
-        return 6 if parts.bending is not None else 4
-    return 3 if parts.space is not None else 2
+def in_fmus(effect: Effect) -> tuple[str, ...]:
+    """The names in scenes of an effect's FMU parameters."""
+    return (*effect.numbers, *effect.parameters)
 
 
-def one_line(scene: Scene, model: str | None = None) -> str:
-    """The active effects and what switched each on, on one line for a log."""
-    return "; ".join(f"{e.name} ({e.why})" for e in effects(scene, model) if e.active)
+FMU_PARAMETERS = (*SETTINGS, *(name for effect in EFFECTS for name in in_fmus(effect)))
+COST_CASES = {name: dict(values) for effect in EFFECTS for name, values in effect.costs.items()}
+
+
+def used_by(name: str) -> tuple[str, ...]:
+    """The models that ask for an FMU parameter, by its name in scenes."""
+    users = {model for effect in EFFECTS if name in in_fmus(effect) for model in effect.models} | set(SETTINGS.get(name, ()))
+    return tuple(model for model in (CHAIN, TOW) if model in users)
+
+
+def variant(model: str, space: bool) -> Mapping[str, str]:
+    """How each part is compiled into a native FMU without a baked scene."""
+    kinds = {effect.name: effect.native if model in effect.models else "absent" for effect in EFFECTS if effect.part}
+    return {**kinds, "space": "present", "as_printed": "absent"} if space else kinds

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
 from cable_model.kernels import header, top
 from cable_model.kernels.jit import for_kernels
-from cable_model.kernels.parts import Parts
 from cable_model.signals import OUTPUTS
 
 
 class JustInTime:
     """Calls of a module of kernels (`chain` or `tow_step`); `held` are the parts under which the cable hangs until it is let go."""
 
-    def __init__(self, kernels: ModuleType, order: int, parts: Parts, numbers: np.ndarray, held: Parts | None = None) -> None:
+    def __init__(self, kernels: ModuleType, order: int, parts: Any, numbers: np.ndarray, held: Any = None) -> None:
         self._kernels, self._order, self._parts, self._held = kernels, order, parts, held
         self._numbers = for_kernels(numbers)
         self.state = np.zeros(kernels.state_size(parts, numbers))

@@ -10,8 +10,9 @@ import numpy as np
 from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
 from cable_model.errors import SolverError, refuse
 from cable_model.kernels import header
-from cable_model.scene import Scene, numbers_of, parts_of
+from cable_model.scene import Scene
 from cable_model.signals import INPUTS
+from cable_model.simulated import numbers_of, parts_of
 
 UNITS = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3 + ("m/s",)  # of the inputs
 _REASONS = {

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from cable_model.quantity import quantity
+
+INTEGRATORS = ("generalized-alpha", "backward-difference", "trapezoidal", "generalized-trapezoidal", "cornwell-malkus", "wbz")
 
 
 @dataclass(frozen=True)
@@ -190,7 +195,7 @@ class Solver:
     )  # fmt: skip
     integrator: str = quantity(
         "", "member of the generalized-alpha family", default="generalized-alpha",
-        choices=("generalized-alpha", "backward-difference", "trapezoidal", "generalized-trapezoidal", "cornwell-malkus", "wbz"),
+        choices=INTEGRATORS,
     )  # fmt: skip
     tolerance: float = quantity("1", "error tolerance in time (0 = fixed step)", default=0.0, least=0.0, most=1.0)
     slack_smoothing: float = quantity("1", "width of the slack law over the weight", default=1e-3, above=0.0, most=1.0)
@@ -203,3 +208,22 @@ class Run:
     duration: float = quantity("s", "simulated time", default=10.0, above=0.0)
     output_step: float = quantity("s", "time between outputs", default=0.05, above=0.0)
     model: str = quantity("", "model that the scene is meant for", default="chain", choices=("chain", "tow"))
+
+
+def holder_of(name: str) -> type:
+    """The data class that has the value of a dotted name."""
+    holder: type = globals()["".join(word.capitalize() for word in name.partition(".")[0].split("_"))]
+    return holder
+
+
+@functools.cache
+def field_of(name: str) -> dataclasses.Field:
+    """The field behind a dotted name such as "cable.length": its metadata has unit, rule and meaning."""
+    return next(f for f in dataclasses.fields(holder_of(name)) if f.name == name.partition(".")[2])
+
+
+def value_of(scene: Any, name: str) -> Any:
+    """A scene's value by its dotted name; of a part that it lacks, zero."""
+    part, _, key = name.partition(".")
+    holder = getattr(scene, part)
+    return 0.0 if holder is None else getattr(holder, key)

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-from cable_model.errors import refuse
 from cable_model.parameters import Waves
 
 LOWEST, HIGHEST = 0.3, 6.0  # of the peak frequency: beyond them the spectra hold less than 1 % of the energy
@@ -74,19 +73,3 @@ def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
     numbers = [wave_number(omega, depth, gravity) for omega in rows[:, 1]]
     table = np.column_stack((rows[:, 0], rows[:, 1], numbers, rows[:, 2], rows[:, 3], np.full(len(rows), depth)))
     return np.ascontiguousarray(table)
-
-
-def check_waves(waves: Waves, wet: bool) -> None:
-    """One kind of sea at a time, in water, with rows that are waves."""
-    spectral = waves.spectrum != "none"
-    kinds = [spectral, bool(waves.table), waves.amplitude > 0.0]
-    if not wet and any(kinds[:2]):
-        name, value = ("waves.spectrum", waves.spectrum) if spectral else ("waves.table", len(waves.table))
-        raise refuse(name, value, "", "none without water", "Add [water] or remove [waves].")
-    if sum(kinds) > 1:
-        raise refuse("waves", sum(kinds), "kinds", "one of amplitude, spectrum and table", "Keep one of them.")
-    if spectral and waves.significant_height == 0.0:
-        raise refuse("waves.significant_height", 0.0, "m", "> 0 with a spectrum", "Give the significant wave height.")
-    for k, row in enumerate(waves.table):
-        if not (row[0] >= 0.0 and row[1] > 0.0):
-            raise refuse(f"waves.table[{k}]", f"{row[0]:g} m, {row[1]:g} s", "", "an amplitude >= 0 and a period > 0", "Mend the row.")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
+from cable_model.effects import PARAMETERS, record
 from cable_model.errors import unknown
 from cable_model.kernels import header
-from cable_model.kernels.parts import PARAMETERS, Parts, record
 from cable_model.model import Model
 from cable_model.signals import OUTPUTS
 
@@ -33,7 +34,7 @@ class TowCable(Model):
         return tow_step
 
     @classmethod
-    def from_numbers(cls, p: Mapping[str, float], parts: Parts) -> TowCable:
+    def from_numbers(cls, p: Mapping[str, float], parts: Any) -> TowCable:
         """A model without a scene, from values by the names of PARAMETERS (SI); what is not given is DEFAULTS' or zero."""
         for name in p:
             if name not in PARAMETERS:

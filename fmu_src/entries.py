@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-
-from cable_model.kernels.parts import Parts
+from typing import Any
 
 # a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
-TABLES = ("current", "waves")
+KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
+TABLES = ("current", "waves")  # the tables that an entry takes
 SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
 EXTERNAL = (
     "acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "floor", "fmod", "hypot", "log", "log1p", "memcpy", "memmove",
@@ -22,7 +22,7 @@ EXTERNAL = (
 Variant = Mapping[str, int]
 
 
-def serves(variant: Variant, parts: Parts) -> bool:
+def serves(variant: Variant, parts: Any) -> bool:
     """Whether a variant does what a scene with these parts asks for."""
     asked = {name: ABSENT if part is None else PRESENT for name, part in parts._asdict().items()}
     return all(variant[name] in (kind, EITHER, ALWAYS) for name, kind in asked.items())

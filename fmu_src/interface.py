@@ -6,13 +6,13 @@ come from the scene's data classes; only what FMI adds is written here.
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cable_model import parameters
+from cable_model.effects import FMU_PARAMETERS
 from cable_model.errors import refuse, unknown
+from cable_model.parameters import field_of, holder_of, value_of
 from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.signals import INPUTS, OUTPUTS
@@ -36,8 +36,9 @@ GENERIC = {
 CPU_TIME = "solver.cpu_time"
 EFFECTS = "effects.active"
 
-# named as in scenes, but for `wave`, which is the scene's [waves]
-_PARAMETERS = (
+# The parameters of released FMUs, whose value references never change; what the table of effects has beyond them follows.
+# They are named as in scenes, but for `wave`, which is the scene's [waves].
+RELEASED = (
     "top.motion_order",
     "cable.length",
     "cable.diameter",
@@ -96,6 +97,16 @@ _PARAMETERS = (
     "winch.fitted",
 )
 
+
+def scene_name(name: str) -> str:
+    """The dotted name in scenes of an FMU parameter."""
+    part, _, field = name.partition(".")
+    return f"waves.{field}" if part == "wave" else name
+
+
+_SCENE_NAMES = tuple(dict.fromkeys([scene_name(name) for name in RELEASED] + list(FMU_PARAMETERS)))
+_PARAMETERS = tuple(name.replace("waves.", "wave.") for name in _SCENE_NAMES)
+
 _INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}
 _OUTPUT_FACTS = {
     "top.force_x": ("N", "force of the cable on its attachment, x", 1e3),
@@ -143,12 +154,6 @@ class Variable:
     choices: tuple[str, ...] = ()
 
 
-def scene_name(name: str) -> str:
-    """The dotted name in scenes of an FMU parameter."""
-    part, _, field = name.partition(".")
-    return f"waves.{field}" if part == "wave" else name
-
-
 def _inputs(scene: Scene) -> list[Variable]:
     starts = (*scene.top.position, *([0.0] * 6))
     rows = []
@@ -168,26 +173,14 @@ def _outputs() -> list[Variable]:
     return rows
 
 
-@functools.cache
-def _facts(name: str) -> tuple[type, dataclasses.Field]:
-    """Type and field of the scene's value behind a parameter."""
-    part, _, field = scene_name(name).partition(".")
-    holder = getattr(parameters, "".join(word.capitalize() for word in part.split("_")))
-    return types_of(holder)[field], next(f for f in dataclasses.fields(holder) if f.name == field)
-
-
 def _start(scene: Scene, name: str) -> float | int | bool:
     """The value in a scene as FMI gives it: choices by their code; no water has density 0."""
-    part, _, field = scene_name(name).partition(".")
-    holder = getattr(scene, part)
-    value = 0.0 if holder is None else getattr(holder, field)
-    choices = _facts(name)[1].metadata["choices"]
+    value, choices = value_of(scene, scene_name(name)), field_of(scene_name(name)).metadata["choices"]
     return choices.index(value) if choices else value
 
 
 def _parameter(scene: Scene, name: str) -> Variable:
-    kind, field = _facts(name)
-    facts = field.metadata
+    kind, facts = types_of(holder_of(scene_name(name)))[name.partition(".")[2]], field_of(scene_name(name)).metadata
     start = _start(scene, name)
     text = facts["description"]
     if name.startswith("tow."):
@@ -222,16 +215,25 @@ def generic_scene() -> Scene:
     return from_dict(GENERIC)
 
 
+def kept(base_scene: Scene) -> dict[str, tuple[str, str]]:
+    """The parameters that must keep their start values over a base scene: what each must be, and what to do."""
+    if not base_scene.current.levels:
+        return {}
+    where, remedy = "where a table of the current is baked in", "Bake a scene without current.levels."
+    return {name: (f"{_start(base_scene, name):g} {where}", remedy) for name in ("current.speed", "current.direction")}
+
+
 def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool]) -> Scene:
     """The scene that FMU parameter values describe; what they do not name, such as a table of the current, is the base scene's.
 
     Raises ParameterError for a name that is no parameter, a value that breaks its rule, and values that do not go together.
     """
     changed: dict[str, float | int | bool | str] = {}
+    held = kept(base_scene)
     for name, value in values.items():
         if name not in _PARAMETERS:
             raise unknown(name, _PARAMETERS, "parameter")
-        if value == (start := _start(base_scene, name)):
+        if value == _start(base_scene, name):
             continue
         row = _parameter(base_scene, name)
         if row.choices:
@@ -239,9 +241,7 @@ def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool
                 raise refuse(name, value, "", f"a whole number from 0 to {len(row.choices) - 1}", f"Codes: {row.description}.")
             changed[row.scene_name] = row.choices[int(value)]
             continue
-        if name.startswith("current.") and base_scene.current.levels:
-            raise refuse(
-                name, value, row.unit, f"{start:g} where a table of the current is baked in", "Bake a scene without current.levels."
-            )
+        if name in held:
+            raise refuse(name, value, row.unit, *held[name])
         changed[row.scene_name] = value
     return with_values(base_scene, changed) if changed else base_scene

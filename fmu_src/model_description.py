@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import os
+import re
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
@@ -11,23 +12,19 @@ from cable_model import __version__
 from cable_model.scene import Scene
 from fmu_src.interface import Variable
 
-UNITS: dict[str, dict[str, int]] = {  # exponents of the SI base units
-    "1": {},
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "N.m2": {"kg": 1, "m": 3, "s": -2},
-    "N.s": {"kg": 1, "m": 1, "s": -1},
-    "Pa/m": {"kg": 1, "m": -2, "s": -2},
-    "kg": {"kg": 1},
-    "kg/m": {"kg": 1, "m": -1},
-    "kg/m3": {"kg": 1, "m": -3},
-    "m": {"m": 1},
-    "m/s": {"m": 1, "s": -1},
-    "m/s2": {"m": 1, "s": -2},
-    "m2": {"m": 2},
-    "m3": {"m": 3},
-    "rad": {"rad": 1},
-    "s": {"s": 1},
-}
+_DERIVED = {"1": {}, "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}}
+
+
+def base_units(unit: str) -> dict[str, int]:
+    """Exponents of the SI base units in a unit such as "kg/m3" or "N.m2": factors joined by dots, and one slash at most."""
+    exponents: dict[str, int] = {}
+    above, _, below = unit.partition("/")
+    for sign, factors in ((1, above), (-1, below)):
+        for symbol, power in re.findall(r"([A-Za-z]+|1)(\d*)", factors):
+            for base, exponent in _DERIVED.get(symbol, {symbol: 1}).items():
+                exponents[base] = exponents.get(base, 0) + sign * exponent * int(power or 1)
+    return {base: exponent for base, exponent in exponents.items() if exponent}
+
 
 LOG_CATEGORIES = {
     "logStatusWarning": "messages with the status warning",
@@ -70,7 +67,7 @@ def _scalar_variable(reference: int, row: Variable) -> Element:
 def _unit_definitions(rows: Sequence[Variable]) -> Element:
     definitions = Element("UnitDefinitions")
     for unit in sorted({row.unit for row in rows if row.unit}):
-        SubElement(SubElement(definitions, "Unit", name=unit), "BaseUnit", {base: str(power) for base, power in UNITS[unit].items()})
+        SubElement(SubElement(definitions, "Unit", name=unit), "BaseUnit", {base: str(power) for base, power in base_units(unit).items()})
     return definitions
 
 

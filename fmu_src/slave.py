@@ -22,12 +22,12 @@ import numpy as np
 from pythonfmu import Fmi2Slave
 from pythonfmu.enums import Fmi2Status
 
-from cable_model.effects import one_line
 from cable_model.errors import ParameterError, SolverError, refuse
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.simulated import one_line
 from fmu_src.interface import Variable, scene_from_values, table
 from fmu_src.model_description import model_description
 from fmu_src.precompiled import ObjectCode

@@ -11,11 +11,11 @@ import numpy as np
 from chain_support import HANGING, WEIGHT, drive, every, make, still, view
 from scipy.linalg import eig
 
+from cable_model.effects import Parts
 from cable_model.kernels import box, box_step
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box_law import Gains, unknowns
 from cable_model.kernels.family import coefficients
-from cable_model.kernels.parts import Parts
 from cable_model.kernels.problem import Body, Cable, Water
 from cable_model.kernels.staggered_step import Numeric, Problem
 

@@ -7,7 +7,7 @@ from chain_support import drive, every, make, still
 from cable_model import scene
 from cable_model.errors import ParameterError
 from cable_model.kernels.slack import elastic
-from cable_model.scene import parts_of
+from cable_model.simulated import parts_of
 
 ROPE = {
     "cable": {

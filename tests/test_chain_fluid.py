@@ -5,8 +5,8 @@ import pytest
 from chain_support import WIRE, drive, every, make, swing
 from scipy.optimize import brentq
 
+from cable_model.effects import Parts
 from cable_model.kernels.fluid import body_drag, element_drag
-from cable_model.kernels.parts import Parts
 from cable_model.kernels.problem import Water
 from cable_model.kernels.waves import wave_motion
 

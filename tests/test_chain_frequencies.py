@@ -8,9 +8,9 @@ from scipy.special import jn_zeros
 
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
-from cable_model.kernels.parts import INTEGRATORS
 from cable_model.kernels.staggered import assemble
 from cable_model.kernels.staggered_step import Gains, Winding, newton_step
+from cable_model.parameters import INTEGRATORS
 
 UNIT = {
     "cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1e9},
@@ -96,7 +96,7 @@ def test_a_newton_step_amplifies_every_mode_as_the_characteristic_equation_says(
     model.initialize(still()(0.0))
     now = view(model)
     n, h = 5, 0.02
-    c = Coefficients(*coefficients(INTEGRATORS["generalized-alpha"], lam))
+    c = Coefficients(*coefficients(INTEGRATORS.index("generalized-alpha"), lam))
     problem = build(model.parts, model.numbers, 0.0)
     problem = problem._replace(numeric=problem.numeric._replace(tolerance=1e-12))
     stiffness, mass = matrices(model)

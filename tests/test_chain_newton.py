@@ -10,9 +10,9 @@ from cable_model.kernels import seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
-from cable_model.kernels.parts import INTEGRATORS
 from cable_model.kernels.staggered import assemble, prescribe_ends
 from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
+from cable_model.parameters import INTEGRATORS
 
 STEP = 0.02
 PLAIN = {**HANGING, "solver": {"nodes": 7, "time_step": STEP, "lambda_infinity": -0.5, "slack_smoothing": 0.05}}
@@ -48,7 +48,7 @@ class Step:
         self.y0[self.n :] = 0.3 * rng.standard_normal((self.n, self.d))
         self.yd0 = 0.5 * rng.standard_normal(self.y0.shape)
         self.yd0[: self.n - 1] = np.diff(self.y0[self.n :], axis=0) / self.now.mesh[:, :1]
-        self.c = Coefficients(*coefficients(INTEGRATORS["generalized-alpha"], -0.5))
+        self.c = Coefficients(*coefficients(INTEGRATORS.index("generalized-alpha"), -0.5))
         self.problem = build(self.model.parts, self.model.numbers, 0.0)
         self.top = (0.1, -0.8) if self.d == 2 else (0.1, 0.05, -0.8)
         alpha_k, alpha_m, gamma = self.c

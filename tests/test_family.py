@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cable_model.kernels.family import coefficients
-from cable_model.kernels.parts import INTEGRATORS
+from cable_model.parameters import INTEGRATORS
 
 DECAYS = (0.01, 0.1, 1.0, 10.0, 1e4)  # z = dt K/M
 LAMBDAS = (-0.9, -0.7, -0.5, -0.25, 0.0)
@@ -12,7 +12,7 @@ LAMBDAS = (-0.9, -0.7, -0.5, -0.25, 0.0)
 
 def amplification(name: str, lam: float, z: float) -> np.ndarray:
     """Eigenvalues, by falling size, of the matrix that takes (y, dt y') over one step."""
-    c = coefficients(INTEGRATORS[name], lam)
+    c = coefficients(INTEGRATORS.index(name), lam)
     implicit = np.array([[z * (1.0 - c.alpha_k), 1.0 - c.alpha_m], [1.0, -c.gamma]])
     explicit = np.array([[-z * c.alpha_k, -c.alpha_m], [1.0, 1.0 - c.gamma]])
     values = np.linalg.eigvals(np.linalg.solve(implicit, explicit))
@@ -44,7 +44,7 @@ def test_lambda_of_minus_a_half_has_the_published_spectral_radii():
     ],
 )
 def test_alpha_k_alpha_m_and_gamma_are_the_fractions_of_the_paper(lam, fractions):
-    assert tuple(coefficients(INTEGRATORS["generalized-alpha"], lam)) == pytest.approx(fractions, abs=1e-15)
+    assert tuple(coefficients(INTEGRATORS.index("generalized-alpha"), lam)) == pytest.approx(fractions, abs=1e-15)
 
 
 @pytest.mark.parametrize("z", DECAYS)

@@ -19,11 +19,11 @@ from fmu_support import Fmu
 
 from cable_model import parameters
 from cable_model.errors import ParameterError
-from cable_model.kernels.parts import INTEGRATORS
+from cable_model.kernels import family
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import EFFECTS, generic_scene, scene_from_values, scene_name, table
-from fmu_src.model_description import UNITS
+from fmu_src.model_description import base_units
 from fmu_src.vendoring import imported, renamed, vendor
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -70,13 +70,33 @@ def test_facts_of_parameters_are_those_of_the_scene():
 
 def test_codes_of_the_integrator_are_those_of_the_kernels():
     choices = next(row for row in parameter_rows() if row.name == "solver.integrator").choices
-    assert {name: code for code, name in enumerate(choices)} == INTEGRATORS
+    codes = {name.upper().replace("-", "_"): code for code, name in enumerate(choices)}
+    assert codes == {name: getattr(family, name) for name in codes}
 
 
-def test_names_and_units_are_unique_and_defined():
+def test_names_are_unique():
     names = [row.name for row in table()]
     assert len(set(names)) == len(names)
-    assert {row.unit for row in table() if row.unit} == set(UNITS)
+
+
+def test_value_references_of_released_fmus_never_change():
+    """What is new is appended, in the code and, from its release on, in the file."""
+    lines = (ROOT / "tests" / "data" / "value_references.txt").read_text(encoding="utf-8").splitlines()
+    released = [line for line in lines if not line.startswith("#")]
+    found = [f"{reference} {row.name} {row.kind}" for reference, row in enumerate(table())]
+    assert found[: len(released)] == released
+
+
+def test_units_are_written_in_si_base_units():
+    """Against the SI brochure: N = kg m/s2, Pa = N/m2."""
+    known = {
+        "1": {}, "m": {"m": 1}, "m2": {"m": 2}, "rad": {"rad": 1}, "m/s2": {"m": 1, "s": -2}, "kg/m3": {"kg": 1, "m": -3},
+        "N": {"kg": 1, "m": 1, "s": -2}, "N.m2": {"kg": 1, "m": 3, "s": -2}, "N.s2": {"kg": 1, "m": 1},
+        "Pa/m": {"kg": 1, "m": -2, "s": -2},
+    }  # fmt: skip
+    assert {unit: base_units(unit) for unit in known} == known
+    bases = {base for row in table() if row.unit for base in base_units(row.unit)}
+    assert bases <= {"kg", "m", "s", "A", "K", "mol", "cd", "rad"}  # all that FMI has
 
 
 def _value(scene: Scene, name: str) -> object:

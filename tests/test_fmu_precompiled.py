@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 from fmu_support import FMICallException, Fmu, assert_same, sway
 
-from cable_model.kernels.parts import Parts
+from cable_model.effects import Parts
 from cable_model.models import MODELS
-from cable_model.scene import load, parts_of
+from cable_model.scene import load
 from cable_model.signals import OUTPUTS
+from cable_model.simulated import parts_of
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
 from fmu_src.interface import generic_scene, scene_from_values
 from fmu_src.native import object_code

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from cable_model.effects import effects, one_line, unknowns_per_node
 from cable_model.errors import ParameterError
-from cable_model.scene import from_dict, load, parts_of, shipped, with_values
+from cable_model.scene import from_dict, load, shipped, with_values
+from cable_model.simulated import effects, one_line, parts_of, unknowns_per_node
 
 CABLE = {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": 1e6}
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.special import ellipk
 from tow_reference import DRY, NUMBERS, SHEAR, SLOW, WAVES, WET, Reference, circling, follow, still, tow
 
+from cable_model.effects import Parts, record
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_step
 from cable_model.kernels import tow as kernels
-from cable_model.kernels.parts import Parts, record
 
 VARIANTS = {
     "all": ({}, WET._replace(waves=WAVES)),

@@ -6,10 +6,10 @@ import sympy
 from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, circling, follow, still, tow
 
 from cable_model import TowCable, load
+from cable_model.effects import record
 from cable_model.errors import ParameterError
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
-from cable_model.kernels.parts import record
 from cable_model.scene import with_values
 
 SPACE = WET._replace(space=True)

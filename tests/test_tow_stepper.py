@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from tow_reference import DRY, NUMBERS, SLOW, WET, circling, follow, still, tow
 
+from cable_model.effects import Parts
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_schemes, tow_step
 from cable_model.kernels import tow as kernels
-from cable_model.kernels.parts import Parts
 from cable_model.tow_cable import TowCable
 
 CALM = WET._replace(current=np.array([[0.0, 1.5, 0.0]]))  # no velocity of the water past cable or body changes its sign

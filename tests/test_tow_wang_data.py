@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from tow_reference import SLOW
 
-from cable_model.kernels.parts import Parts
+from cable_model.effects import Parts
 from cable_model.tow_cable import TowCable
 
 FOLDER = Path(__file__).parent / "data" / "wang"

@@ -8,12 +8,12 @@ from chain_support import WIRE, drive, every, make, still
 from scipy.integrate import quad
 
 from cable_model import scene
+from cable_model.effects import Parts
 from cable_model.errors import ParameterError
-from cable_model.kernels.parts import Parts
 from cable_model.kernels.waves import elevation, wave_motion
 from cable_model.parameters import Waves
-from cable_model.scene import parts_of
 from cable_model.sea import components, spectral_density, wave_number
+from cable_model.simulated import parts_of
 from cable_model.tow_cable import TowCable
 
 G = 9.81

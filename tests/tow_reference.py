@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numba
 import numpy as np
 
-from cable_model.kernels.parts import Parts
+from cable_model.effects import Parts
 from cable_model.tow_cable import TowCable
 
 SLOW = bool(numba.config.DISABLE_JIT)  # plain Python: shorter runs

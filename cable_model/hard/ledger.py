@@ -7,6 +7,8 @@ What a seabed and the damping take is not counted: a ledger may only lose.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from cable_model.cable_chain import CableChain
@@ -14,7 +16,6 @@ from cable_model.kernels import header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
-from cable_model.kernels.parts import Parts
 
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
 
@@ -114,7 +115,7 @@ class Ledger:
         return float(force @ v)
 
     @staticmethod
-    def _flow(parts: Parts, places: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+    def _flow(parts: Any, places: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Velocity and acceleration of the water at places (k, D)."""
         if parts.current is None and parts.waves is None:
             return np.zeros_like(places), np.zeros_like(places)

@@ -1,4 +1,4 @@
-"""The choice between two kernels by whether a part is present, made when numba compiles.
+"""The choice between two kernels by whether a part is present, and parts without some of them, made when numba compiles.
 
 numba drops the branch of `if part is None` only where the part is absent: where it is present both branches must still agree
 in their types.  A choice made here compiles one side only, so the two sides may return different things.
@@ -24,3 +24,18 @@ def by_presence(absent, present):
         return lambda part, *args: present(part, *args)
 
     return choose
+
+
+def without(*names):
+    """A function f(parts) that gives the same parts with these absent."""
+
+    def fewer(parts):
+        return parts._replace(**dict.fromkeys(names))
+
+    @overload(fewer, jit_options=inner_options())
+    def _compiled(parts):
+        made = parts.instance_class
+        # numba wants the members of a named tuple spelled out
+        return eval(f"lambda parts: made({', '.join('None' if n in names else f'parts.{n}' for n in made._fields)})", {"made": made})
+
+    return fewer

@@ -2,18 +2,10 @@
 
 from typing import NamedTuple
 
+from cable_model.kernels.choice import without
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.parts import Parts
 
-
-@kernel
-def in_calm_water(parts):
-    """The same parts without waves."""
-    return Parts(
-        parts.box, parts.space, parts.inextensible, parts.slack, parts.bending, parts.voigt, parts.body, parts.anchor,
-        parts.water, parts.current, None, None, None, None, parts.seabed, parts.friction, parts.winch, parts.curve,
-        parts.cable_mass, parts.tension_floor, parts.as_printed,
-    )  # fmt: skip
+in_calm_water = without("waves", "finite_depth", "stretched", "cut")  # the same parts without waves
 
 
 class Cable(NamedTuple):

@@ -13,15 +13,16 @@ from pathlib import Path
 
 import numpy as np
 
+from cable_model.effects import CHAIN, EFFECTS
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.parameters import Cable
-from cable_model.scene import Scene, parts_of
+from cable_model.scene import Scene
+from cable_model.simulated import is_on, parts_of
 from cable_model.studies.timed import Timed
 
 THIN = 1e-9  # kg/m3: the water of a scene without water
-UNSUPPORTED = ("waves", "current", "seabed", "winch", "curve", "bending", "anchor")
 
 
 class NotTranslated(ParameterError):
@@ -30,10 +31,9 @@ class NotTranslated(ParameterError):
 
 def refuse_untranslated(scene: Scene, peer: str, can: Sequence[str] = ()) -> None:
     """NotTranslated for what the input file below does not say, and what is not among the parts that this peer `can`."""
-    parts = parts_of(scene, "chain")
-    for name in UNSUPPORTED:
-        if name not in can and getattr(parts, name) is not None:
-            raise NotTranslated(f"{name}: must be absent for {peer}. Leave it out of the scene.")
+    missing = [e.name for e in EFFECTS if not e.told_to_peers and e.name not in can and is_on(e, scene, CHAIN)]
+    if missing:
+        raise NotTranslated(f"{', '.join(missing)}: must be absent for {peer}. Leave it out of the scene.")
 
 
 def let_go(scene: Scene) -> bool:

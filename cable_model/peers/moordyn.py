@@ -7,11 +7,12 @@ import numpy as np
 from cable_model.errors import ParameterError
 from cable_model.motion import top_motion
 from cable_model.peers import deck
-from cable_model.scene import Scene, parts_of
+from cable_model.scene import Scene
+from cable_model.simulated import parts_of
 from cable_model.studies.timed import Timed
 
 LONGEST_RELAXATION = 60.0  # s
-CAN = ("seabed", "anchor")
+CAN = ("seabed", "friction", "anchor")
 
 
 def _seabed(scene: Scene) -> tuple[str, ...]:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 
+from cable_model.effects import CHAIN, EFFECTS
 from cable_model.errors import ParameterError
-from cable_model.scene import Scene, parts_of, with_values
+from cable_model.scene import Scene, with_values
+from cable_model.simulated import is_on, parts_of
 from cable_model.studies.timed import Setting
 
 FEWEST_CELLS = 4
@@ -74,26 +76,10 @@ def methods(scene: Scene) -> list[str]:
     return [name for name in names if allowed(scene, next(of_method(scene, name)))]
 
 
-LEFT_OUT: Mapping[str, tuple[str, Mapping[str, object]]] = {
-    "bending": ("bending", {"cable.bending_stiffness": 0.0}),
-    "material damping": ("voigt", {"cable.axial_damping": 0.0}),
-    "waves": ("waves", {"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": ()}),
-    "finite depth of the waves": ("finite_depth", {"water.depth": 0.0}),
-    "surface of the waves": ("stretched", {"waves.surface": "held"}),
-    "friction along the seabed": ("friction", {"seabed.friction_coefficient": 0.0}),
-    "table of the axial stiffness": ("curve", {"cable.stiffness_curve": ()}),
-    "motion out of the vertical plane": ("space", {"solver.space": False}),
-    "current": ("current", {"current.speed": 0.0, "current.levels": ()}),
-}
-
-
 def leave_out(scene: Scene) -> dict[str, Mapping[str, object]]:
-    """Changes that leave out each optional effect that the scene has, where it can be left out alone."""
-    parts = parts_of(scene, "chain")
-    found = {}
-    for name, (part, changes) in LEFT_OUT.items():
-        if getattr(parts, part) is None:
-            continue
-        if allowed(scene, Setting(name, "chain", changes)):
-            found[name] = changes
-    return found
+    """Changes that leave out each optional effect that the scene has, by what people call it, where it can be left out alone."""
+    return {
+        effect.called or effect.words: effect.left_out
+        for effect in EFFECTS
+        if effect.left_out and is_on(effect, scene, CHAIN) and allowed(scene, Setting(effect.name, CHAIN, effect.left_out))
+    }

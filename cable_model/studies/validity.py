@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_model.motion import top_motion
-from cable_model.scene import Scene, parts_of
+from cable_model.scene import Scene
+from cable_model.simulated import parts_of
 from cable_model.studies.settings import TOW, allowed
 from cable_model.studies.timed import Setting, timed
 

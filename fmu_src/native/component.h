@@ -122,6 +122,8 @@ static fmi2Status check_parameters(const Instance *m)
             return refuse(m, vr, value, v->finite);
         if (value < v->least || value > v->most || (v->above && value == v->least))
             return refuse(m, vr, value, v->range);
+        if (*v->kept && value != v->start)
+            return refuse(m, vr, value, v->kept);
     }
     for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++)
         if (holds(&m->core, &refusals[k].when))

@@ -81,7 +81,7 @@ def _parts(variant: Variant) -> Any:
     """A jitted function of (present, current, waves) that makes the parts of a variant."""
     from numba import njit
 
-    from cable_model.kernels.parts import Parts
+    from cable_model.effects import Parts
 
     @njit
     def either(value):
@@ -106,8 +106,8 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     from numba import carray
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
+    from cable_model.effects import Parts
     from cable_model.kernels import header, top
-    from cable_model.kernels.parts import Parts
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
@@ -153,7 +153,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     from numba.core import compiler
     from numba.core.registry import cpu_target
 
-    from cable_model.kernels.parts import NUMBERS
+    from cable_model.effects import NUMBERS
 
     kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
     arguments = tuple(kinds[kind] for kind in "iddipnppipipipip")  # as ENTRY

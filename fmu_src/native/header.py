@@ -11,18 +11,20 @@ from typing import Any, cast
 import numpy as np
 
 from cable_model.calls import TOO_FAST, Calls
+from cable_model.condition import Literal
+from cable_model.effects import PARAMETERS, Parts
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
-from cable_model.kernels.parts import PARAMETERS, Parts
 from cable_model.model import Model
 from cable_model.models import MODELS
-from cable_model.scene import Scene, parts_of
+from cable_model.scene import Scene
 from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.simulated import parts_of
 from fmu_src import entries
 from fmu_src.entries import Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable
 from fmu_src.native.export import ENTRY
-from fmu_src.native.rules import Literal, Rules
+from fmu_src.native.rules import Rules
 
 TYPES = """
 typedef struct {
@@ -30,7 +32,7 @@ typedef struct {
     char kind, causality; /* R I B S; i(nput) o(utput) p(arameter) l(ocal) */
     double start, least, most;
     int above, angle; /* whether `least` itself is refused; whether only a direction across the x axis counts as nonzero */
-    const char *finite, *range; /* what the value must be, and what to do */
+    const char *finite, *range, *kept; /* what the value must be, and what to do; "": it need not be `start` */
 } Variable;
 typedef struct { int variable, nonzero; } Literal;
 typedef struct { int count; Literal literals[4]; } Condition; /* all of them; count < 0: never */
@@ -66,6 +68,7 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
     facts += [_number(row.start, 0.0), _number(row.minimum, -math.inf), _number(row.maximum, math.inf)]
     facts += [str(int(row.minimum_excluded)), str(int(row.unit == "rad"))]
     facts += [_text(limit.finite if limit else rules.finite_input), _text(limit.range if limit else "")]
+    facts += [_text(rules.kept.get(row.name, ""))]
     return f"{{{', '.join(facts)}}}"
 
 

@@ -10,9 +10,10 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from cable_model.kernels.parts import Parts
-from cable_model.scene import Scene, parts_of
-from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, Variant
+from cable_model.effects import CHAIN, TOW, variant
+from cable_model.scene import Scene
+from cable_model.simulated import parts_of
+from fmu_src.entries import ABSENT, KINDS, PRESENT, Variant
 from fmu_src.native.export import export
 
 HERE = Path(__file__).resolve().parent
@@ -23,21 +24,13 @@ _MADE_BY = (
     "fmu_src/native/export.py",
     "fmu_src/native/presence.py",
     "cable_model/calls.py",
+    "cable_model/effects.py",
     "cable_model/signals.py",
 )
 
-# parts of an FMU without a baked scene, which parameters switch on and off
-_ANY_CHAIN = dict.fromkeys(Parts._fields, ABSENT) | {
-    "slack": EITHER, "bending": EITHER, "body": EITHER, "anchor": EITHER, "water": EITHER,
-    "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS, "seabed": EITHER, "friction": EITHER, "winch": EITHER,
-}  # fmt: skip
-_ANY_TOW = dict.fromkeys(Parts._fields, ABSENT) | {
-    "body": EITHER, "anchor": EITHER, "water": EITHER, "cable_mass": EITHER, "as_printed": EITHER,
-    "tension_floor": PRESENT, "voigt": ALWAYS, "current": ALWAYS, "waves": ALWAYS,
-}  # fmt: skip
+# of FMUs without a baked scene, whose parameters switch parts on and off: in the plane, and in space
 GENERIC: dict[str, tuple[Variant, ...]] = {
-    "chain": (_ANY_CHAIN, _ANY_CHAIN | {"space": PRESENT}),
-    "tow": (_ANY_TOW, _ANY_TOW | {"space": PRESENT, "as_printed": ABSENT}),
+    model: tuple({part: KINDS[kind] for part, kind in variant(model, space).items()} for space in (False, True)) for model in (CHAIN, TOW)
 }
 
 

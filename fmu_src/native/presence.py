@@ -4,6 +4,8 @@ A part of numba's type Optional(bool) answers `part is None` at run time, with t
 bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice `by_presence`.
 """
 
+import functools
+
 from numba import njit, types
 from numba.core import codegen
 from numba.core.imputils import impl_ret_borrowed
@@ -16,6 +18,12 @@ from cable_model.kernels import jit
 def kernel(function):
     """Compile `function` as jit.kernel does, without a cache: no code for another machine can get into the export."""
     return njit(error_model="numpy")(function)
+
+
+@functools.cache
+def inner_options():
+    """As jit.inner_options, for what is compiled by `kernel`."""
+    return {"error_model": "numpy"}
 
 
 def by_presence(absent, present):
@@ -68,6 +76,7 @@ class _NeverRun(codegen.JITCodeLibrary):
 def take_over() -> None:
     """Let the kernels, which must not be imported yet, be compiled by this file's functions, and to LLVM code only."""
     jit.kernel = kernel
+    jit.inner_options = inner_options
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cable_model.kernels.family import coefficients
-from cable_model.kernels.parts import INTEGRATORS
+from cable_model.parameters import INTEGRATORS
 from cable_model.studies.published.page import Page
 
 NAME = "figure_1_spectral_radii"
@@ -39,7 +39,7 @@ class Radii:
 
 def radius(integrator: str, lambda_infinity: float, omega_dt: np.ndarray) -> np.ndarray:
     """Largest eigenvalue by size, for each omega dt, of the matrix that takes (y, dt y') of y' + omega y = 0 over one step."""
-    c = coefficients(INTEGRATORS[integrator], lambda_infinity)
+    c = coefficients(INTEGRATORS.index(integrator), lambda_infinity)
     z = np.asarray(omega_dt, dtype=float)
     implicit = np.empty((len(z), 2, 2))
     explicit = np.empty((len(z), 2, 2))

@@ -1,0 +1,110 @@
+"""The rules that join values of a scene, as data: checked here, and written as tables for C by fmu_src/native."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from cable_model.condition import Condition, Given, On
+from cable_model.effects import CHAIN
+from cable_model.errors import ParameterError, refuse
+from cable_model.parameters import field_of, value_of
+from cable_model.simulated import given, refused_on_grid, true
+
+WET, SPACE = On("water"), Given("solver.space")
+AMPLITUDE, SPECTRUM, TABLE = Given("waves.amplitude"), Given("waves.spectrum"), Given("waves.table")
+SEAS = (AMPLITUDE, SPECTRUM, TABLE)
+ACROSS = ("0 or pi in the plane", "Set solver.space = true, or turn the axes so that x is along it.")
+NO_WAVES, NO_CURRENT = "Add [water] or remove [waves].", "Add [water] or remove [current]."
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Where `broken` holds, the value `name` must be `must`, and `remedy` says what to do.
+
+    `column` of a table: the error names the first row that says something there.
+    """
+
+    broken: Condition
+    name: str
+    must: str
+    remedy: str
+    column: int = -1
+
+    def error(self, scene: Any) -> ParameterError:
+        """The error of a scene that breaks the rule."""
+        if self.name == "waves":
+            return refuse(self.name, sum(true(kind, scene, CHAIN) for kind in SEAS), "kinds", self.must, self.remedy)
+        value, unit = value_of(scene, self.name), field_of(self.name).metadata["unit"]
+        if self.column >= 0:
+            unit = unit.split(", ")[self.column]
+            at = next(k for k, row in enumerate(value) if given(row[self.column], unit))
+            return refuse(f"{self.name}[{at}]", value[at][self.column], unit, self.must, self.remedy)
+        if isinstance(value, tuple):
+            return refuse(self.name, len(value), "rows", self.must, self.remedy)
+        return refuse(self.name, value, unit, self.must, self.remedy)
+
+
+RULES = (
+    Rule(~WET & (Given("current.speed") | Given("current.levels")), "current.speed", "0 without water", NO_CURRENT),
+    Rule(~WET & AMPLITUDE, "waves.amplitude", "0 without water", NO_WAVES),
+    Rule(~WET & SPECTRUM, "waves.spectrum", "none without water", NO_WAVES),
+    Rule(~WET & TABLE, "waves.table", "none without water", NO_WAVES),
+    Rule(AMPLITUDE & SPECTRUM | AMPLITUDE & TABLE | SPECTRUM & TABLE, "waves", "one of amplitude, spectrum and table", "Keep one of them."),
+    Rule(
+        SPECTRUM & ~Given("waves.significant_height"), "waves.significant_height", "> 0 with a spectrum",
+        "Give the significant wave height.",
+    ),
+    Rule(WET & ~Given("cable.diameter"), "cable.diameter", "> 0 in water", "Give the diameter, or remove [water]."),
+    Rule(On("anchor") & Given("body.mass"), "body.mass", "0 at an anchored end", "Remove [body] or lower_end.anchored."),
+    Rule(
+        Given("seabed.stiffness") & ~Given("cable.diameter"), "cable.diameter", "> 0 on a seabed", "Give the diameter, or remove [seabed]."
+    ),
+    Rule(
+        Given("lower_end.released") & ~Given("lower_end.anchored"), "lower_end.released", "false without an anchor",
+        "Set lower_end.anchored = true and its x, y, z.",
+    ),
+    Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
+    Rule(
+        Given("tow.as_printed") & SPACE, "tow.as_printed", "false in space", "The report moves in one plane: set solver.space = false."
+    ),
+    Rule(~SPACE & Given("current.direction"), "current.direction", *ACROSS),
+    Rule(~SPACE & Given("waves.direction"), "waves.direction", *ACROSS),
+    Rule(~SPACE & Given("waves.table", column=2), "waves.table", *ACROSS, column=2),
+    Rule(~SPACE & Given("current.levels", column=2), "current.levels", *ACROSS, column=2),
+)  # fmt: skip
+
+
+def rising(rows: Sequence[Sequence[float]], columns: int = 1) -> bool:
+    """Whether each of the first columns rises from row to row."""
+    return all(low[k] < high[k] for low, high in pairwise(rows) for k in range(columns))
+
+
+# of tables, which have no place in FMUs: the name, whether its rows are right, what they must be and what to do
+TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
+    ("winch.speeds", rising, "sorted by time without repeats", "Sort the rows by time."),
+    (
+        "cable.stiffness_curve", lambda rows: not rows or (len(rows) > 1 and tuple(rows[0]) == (0.0, 0.0) and rising(rows, 2)),
+        "[0, 0] and rows of rising strain and tension", "Sort the rows by strain.",
+    ),
+    ("current.levels", lambda rows: rising(rows) or rising(rows[::-1]), "sorted by z without repeats", "Sort the table by z."),
+)  # fmt: skip
+
+
+def check(scene: Any) -> None:
+    """Raises the ParameterError of the first rule that a scene breaks; effects that rules ask for are the chain's."""
+    for rule in RULES:
+        if true(rule.broken, scene, CHAIN):
+            raise rule.error(scene)
+    for k, (amplitude, period, *_) in enumerate(scene.waves.table):
+        if not (amplitude >= 0.0 and period > 0.0):
+            shown = f"{amplitude:g} m, {period:g} s"
+            raise refuse(f"waves.table[{k}]", shown, "", "an amplitude >= 0 and a period > 0", "Mend the row.")
+    for error in refused_on_grid(scene):
+        raise error
+    for name, right, must, remedy in TABLES:
+        rows = value_of(scene, name)
+        if not right(rows):
+            raise refuse(name, len(rows), "rows", must, remedy)

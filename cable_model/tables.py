@@ -1,0 +1,34 @@
+"""The tables that kernels get with a part, made from a scene."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from cable_model.sea import components
+
+
+def current(scene: Any) -> np.ndarray:
+    """Rows of z, velocity x, velocity y (m, m/s), sorted by rising z."""
+    given = scene.current
+    rows = sorted(given.levels or ((0.0, given.speed, given.direction),))
+    return np.array([[z, speed * math.cos(direction), speed * math.sin(direction)] for z, speed, direction in rows])
+
+
+def waves(scene: Any) -> np.ndarray | None:
+    """Rows of components, see sea.components."""
+    return components(scene.waves, scene.environment.gravity, scene.water.depth)
+
+
+def stiffness_curve(scene: Any) -> np.ndarray:
+    """Rows of strain, tension (N) and slope (N) of a monotone cubic interpolation."""
+    from scipy.interpolate import PchipInterpolator  # here only: FMUs do without scipy
+
+    rows = np.array(scene.cable.stiffness_curve)
+    slopes = PchipInterpolator(rows[:, 0], rows[:, 1]).derivative()(rows[:, 0])
+    secants = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
+    slopes[0] = max(slopes[0], 0.1 * secants[0])
+    slopes[-1] = max(slopes[-1], 0.1 * secants[-1])
+    return np.ascontiguousarray(np.column_stack((rows, slopes)))
