@@ -59,6 +59,7 @@ class Step:
             Body(1.3, 0.4, 0.2, 9.0, 2.0) if parts.body else None,
             Numeric(0.0, 0.0, 0.0, 0.0, 0.3 if parts.voigt else 0.0, 0.02 if parts.bending else 0.0, pull, 1e-9, 0.0),
             None,
+            None,
         )
         to_rate = 1.0 / (self.c.gamma * self.h)
         gain = 1.0 - self.c.alpha_k
@@ -148,7 +149,8 @@ def wet_frequencies():
 def natural_frequencies(n, weight=1.0, water=None, bending=1e-6):
     """Of a chain of unit length, mass and gravity with the top hinged."""
     like = unknowns(True)
-    problem = Problem(Cable(1.0, 0.01, 1.0, 1e9, 1.0, weight), water, None, Numeric(0.0, 0.0, 0.0, 0.0, 0.0, bending, 0.0, 1e-9, 0.0), None)
+    numeric = Numeric(0.0, 0.0, 0.0, 0.0, 0.0, bending, 0.0, 1e-9, 0.0)
+    problem = Problem(Cable(1.0, 0.01, 1.0, 1e9, 1.0, weight), water, None, numeric, None, None)
     parts = Parts(box=True, bending=True, water=True if water else None)
     mesh = np.full((n - 1, 2), 1.0 / (n - 1))
     y = np.zeros((n, 6))

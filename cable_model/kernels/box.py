@@ -53,7 +53,7 @@ def _mean(y, i, column):
 @kernel
 def _cell(parts, problem, gains, h, a, d, y1, base, time, i, block, like):
     """Rows of cell i into `block`: motion along t and n, stretch, rotation."""
-    cable, medium, _, numeric, _ = problem
+    cable, medium, numeric = problem.cable, problem.medium, problem.numeric
     size = len(like)
     cu = size // 3
     cv = cu + 1

@@ -44,7 +44,7 @@ def _staggered_guess(parts, problem, p, mesh, y, contraction, top, anchor, time,
     q = work[0:m].reshape((2 * n, 2))
     force = work[4 * m : 4 * m + n - 1]
     status = staggered_chain.equilibrium(
-        parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground), p, mesh, q,
+        parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground, p), p, mesh, q,
         work[m : 2 * m].reshape((2 * n, 2)), contraction, work[2 * m : 3 * m].reshape((2 * n, 2)), work[3 * m : 4 * m].reshape((2 * n, 2)),
         force, top, anchor, time, staggered_step.cut_scratch(work[4 * m + n :], n, (0.0, 0.0)),
     )  # fmt: skip

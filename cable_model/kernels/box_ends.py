@@ -50,7 +50,7 @@ def _hanging_end(present, parts, problem, gains, a, d, y1, base, time, lower, li
     Without bending there is no S: the cable's own motion along the normal at s = 0 takes the second condition's place.
     """
     if present is None:
-        cable, _, _, numeric, _ = problem
+        cable, numeric = problem.cable, problem.numeric
         size = len(like)
         cf = size // 3 + 2
         f = gains.scale
@@ -83,7 +83,7 @@ def _add_shear(bending, f, shear, lower, size):
 @kernel
 def _free_normal(parts, problem, gains, a, d, base, time, lower, like):
     """m (v_t + u phi_t) = w sin phi + f_n at the free end, times the cable's length."""
-    cable, medium, _, _, _ = problem
+    cable, medium = problem.cable, problem.medium
     size = len(like)
     cu = size // 3
     n = a.shape[0]
@@ -109,7 +109,7 @@ def _free_normal(parts, problem, gains, a, d, base, time, lower, like):
 @kernel
 def _body(parts, problem, gains, a, d, base, time, lower, like):
     """M (u_t - v phi_t) = T - W cos phi + F_t, M (v_t + u phi_t) = S + W sin phi + F_n at the lower end."""
-    cable, _, body, numeric, _ = problem
+    cable, body, numeric = problem.cable, problem.body, problem.numeric
     size = len(like)
     cu = size // 3
     n = a.shape[0]

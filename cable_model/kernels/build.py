@@ -34,7 +34,7 @@ def build(parts, p, pull, moves=1.0):
         1e-8 * reference,
     )
     ground = _ground(parts.seabed, parts, p, cable, moves)
-    return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric, ground)
+    return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric, ground, p)
 
 
 @kernel

@@ -123,7 +123,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the shortfall.
     contact (n, .): the table of seabed.py, likewise.
     """
-    cable, medium, body, numeric, ground = problem
+    cable, medium, body, numeric, ground = problem.cable, problem.medium, problem.body, problem.numeric, problem.ground
     n = v.shape[0]
     position = top
     like = top

@@ -45,6 +45,7 @@ class Problem(NamedTuple):
     body: object
     numeric: object
     ground: object  # the seabed
+    numbers: object  # the record of all numbers, for effects that need no more than their own
 
 
 @kernel
@@ -52,7 +53,7 @@ def with_tolerance(problem, tolerance, rounding):
     """The same problem with other limits of Newton's method, m/s."""
     old = problem.numeric
     numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding)
-    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground)
+    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
 class Winding(NamedTuple):
