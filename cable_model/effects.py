@@ -116,6 +116,11 @@ EFFECTS = (
         costs={"material damping": {"cable.axial_damping": 10.0}},
     ),
     Effect(
+        "quadratic_damping", "quadratic axial damping", Given("cable.quadratic_damping"), ("cable.quadratic_damping",), models=(CHAIN,),
+        grids=(STAGGERED,), numbers=("cable.quadratic_damping",), left_out={"cable.quadratic_damping": 0.0},
+        costs={"quadratic axial damping": {"cable.quadratic_damping": 10.0}},
+    ),
+    Effect(
         "space", "motion out of the vertical plane", Given("solver.space"), ("solver.space",), grids=(STAGGERED,), told_to_peers=True,
         remedy='Set solver.grid = "staggered" for motion in space.', parameters=("solver.space",), native="absent",
         left_out={"solver.space": False}, costs={"space": {"solver.space": True}},

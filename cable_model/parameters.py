@@ -23,6 +23,7 @@ class Cable:
     diameter: float = quantity("m", "diameter that meets the water", default=0.0, least=0.0)
     bending_stiffness: float = quantity("N.m2", "bending stiffness EI (0 = no bending)", default=0.0, least=0.0)
     axial_damping: float = quantity("N.s", "material axial damping: tension per strain rate (0 = none)", default=0.0, least=0.0)
+    quadratic_damping: float = quantity("N.s2", "axial damping: tension per square of the strain rate (0 = none)", default=0.0, least=0.0)
     normal_drag_coefficient: float = quantity("1", "normal drag coefficient", default=0.0, least=0.0)
     tangential_drag_coefficient: float = quantity(
         "1", "tangential drag coefficient (times the diameter, not the perimeter)", default=0.0, least=0.0

@@ -107,6 +107,7 @@ SCENES = {
     "space, seabed with friction": (PLAIN, {**GROUND, "solver__space": True}),
     "plane, winch": (PLAIN, {"winch__fitted": True}),
     "plane, table of the stiffness": (PLAIN, {"cable__stiffness_curve": [[0.0, 0.0], [0.01, 1.5], [0.05, 20.0]]}),
+    "plane, winch, quadratic damping": (PLAIN, {"winch__fitted": True, "cable__quadratic_damping": 0.3}),
     "space, bending, body, current, waves": (WET, {"solver__space": True, "waves__direction": 0.7}),
 }
 

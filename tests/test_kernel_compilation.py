@@ -5,6 +5,7 @@ import sys
 import warnings
 
 import numba
+import numpy as np
 import pytest
 
 from cable_model.kernels import jit
@@ -57,3 +58,25 @@ def test_the_numba_at_hand_is_a_tried_one() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert jit.options.__wrapped__()["_nrt"] is False
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_a_kernel_that_gives_arrays_to_python_is_an_error_and_never_their_whole() -> None:
+    def half(x: np.ndarray) -> tuple[np.ndarray, float]:
+        return x[:2], x[3]
+
+    with pytest.raises(TypeError, match=r"half gives arrays to Python\. Decorate it with jit\.views\."):
+        jit.kernel(half)(np.arange(4.0))
+    assert jit.views(half)(np.arange(4.0))[0].tolist() == [0.0, 1.0]
+
+
+def test_kernels_call_what_cuts_arrays() -> None:
+    def half(x: np.ndarray) -> tuple[np.ndarray, float]:
+        return x[:2], x[2]
+
+    cut = jit.views(half)
+
+    def last(x: np.ndarray) -> float:
+        return cut(x)[0][1]
+
+    assert jit.kernel(last)(np.array([3.0, 5.0, 7.0])) == 5.0

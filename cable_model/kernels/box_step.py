@@ -12,7 +12,7 @@ from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box import assemble
 from cable_model.kernels.box_law import Gains, strain, unknowns
 from cable_model.kernels.convergence import has_converged
-from cable_model.kernels.jit import kernel
+from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_weight
 
 MAX_ITERATIONS = 20
@@ -40,7 +40,7 @@ def scratch_size(n, size):
     return 3 * n * size + 2 * n + n * size * (2 * size + 1) + 2 * half * (size + 1) + (size + half) * (2 * size + 1)
 
 
-@kernel
+@views
 def cut_scratch(work, n, like):
     size = len(like)
     half = size // 2

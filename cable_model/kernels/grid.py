@@ -6,7 +6,7 @@ Each grid compiles its own side only.  A View is layout.View; positions and velo
 from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_step
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.jit import kernel
+from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import start_contacts
 from cable_model.kernels.vector import axpy, load, mix, norm, scale
@@ -38,12 +38,12 @@ def _box_scratch_size(box, bending, n, like):
 scratch_size = by_presence(_staggered_scratch_size, _box_scratch_size)
 
 
-@kernel
+@views
 def _staggered_scratch(box, bending, work, n, like):
     return staggered_step.cut_scratch(work, n, like)
 
 
-@kernel
+@views
 def _box_scratch(box, bending, work, n, like):
     return box_step.cut_scratch(work, n, unknowns(bending))
 

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import numba
 import numpy as np
-from numba import njit
+from numba import njit, types
+from numba.extending import overload
 
 TESTED = ("0.61.", "0.63.", "0.65.", "0.68.")  # versions of numba in which TakenIn and _nrt were found to work
 ORDINARY = {"error_model": "numpy", "nogil": True, "no_cfunc_wrapper": True}
@@ -104,11 +105,49 @@ def kernel(function):
         called_by_python = njit(cache=True, **options())(function)
     finally:
         numba.config.CACHE_DIR = saved
+    if "_nrt" in options():
+        _refuse_arrays(called_by_python)
     if "pipeline_class" in inner_options():
         called_by_kernels = njit(**inner_options())(function)
         called_by_python.get_call_template = called_by_kernels.get_call_template
         called_by_python.get_overload = called_by_kernels.get_overload
     return called_by_python
+
+
+def _refuse_arrays(called_by_python):
+    """Let a kernel fail that gives arrays to Python: without counts of references numba would hand out what they are cut from."""
+    compile_or_load = called_by_python.compile
+
+    def checked(signature):
+        made = compile_or_load(signature)
+        if _cut_arrays(called_by_python.nopython_signatures[-1].return_type):
+            raise TypeError(f"{called_by_python.__name__} gives arrays to Python. Decorate it with jit.views.")
+        return made
+
+    called_by_python.compile = checked
+
+
+def _cut_arrays(kind):
+    """Whether a type has arrays that may be parts of others; a record is passed on whole."""
+    if isinstance(kind, types.BaseTuple):
+        return any(_cut_arrays(member) for member in kind)
+    return isinstance(kind, types.Array) and not isinstance(kind.dtype, types.Record)
+
+
+def views(function):
+    """Like `kernel`, for a function that cuts arrays into others: called by Python it does so as plain Python."""
+
+    def cut(*arguments):
+        return function(*arguments)
+
+    compiled = njit(**inner_options())(function)
+
+    @overload(cut, jit_options=inner_options())
+    def _compiled(*arguments):
+        return lambda *arguments: compiled(*arguments)
+
+    cut.__name__, cut.__doc__ = function.__name__, function.__doc__
+    return cut
 
 
 def for_kernels(numbers):

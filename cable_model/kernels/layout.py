@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.jit import kernel
+from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
 
 
@@ -56,7 +56,7 @@ def work_size(parts, p):
     return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
 
 
-@kernel
+@views
 def cut(parts, p, state, work):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)

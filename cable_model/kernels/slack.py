@@ -1,8 +1,8 @@
 """The tension law of a cell with and without slack, and the rules by which Newton's method moves a tension.
 
-Tension is an unknown of its own, T.  With f = EA e + C e' the law without compression is T = (f + sqrt(f^2 + w0^2))/2; its inverse,
-f = T - w0^2/(4 T) with T > 0, is the barrier form of an interior-point method, on which Newton's method does not see the kink.
-It is monotone in e', so damping only dissipates.
+Tension is an unknown of its own, T.  With f = EA e + C e' (or another rising law of e and e') the law without compression is
+T = (f + sqrt(f^2 + w0^2))/2; its inverse, f = T - w0^2/(4 T) with T > 0, is the barrier form of an interior-point method, on which
+Newton's method does not see the kink.  It is monotone in e', so damping only dissipates.
 """
 
 from cable_model.kernels.jit import kernel
@@ -37,6 +37,15 @@ def elastic(curve, stiffness, strain):
     c2 = 3.0 * rise - 2.0 * c1 - curve[i, 2] * width
     c3 = c1 + curve[i, 2] * width - 2.0 * rise
     return curve[i - 1, 1] + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
+
+
+@kernel
+def with_quadratic_damping(quadratic, p, rate, f, damping):
+    """The tension `f` with c |e'| e' added to it, and its slope by the strain rate e', which is `damping` without it."""
+    if quadratic is None:
+        return f, damping
+    slope = p[0].cable.quadratic_damping * abs(rate)
+    return f + slope * rate, damping + 2.0 * slope
 
 
 @kernel

@@ -16,7 +16,7 @@ from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
-from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall, width
+from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall, width, with_quadratic_damping
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -150,7 +150,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         damping = numeric.voigt + numeric.damping * h
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
         f, stiffness = elastic(parts.curve, cable.stiffness, strain)
-        f += damping * (rate - _lengthening(parts.winch, gains, stretch))
+        strain_rate = rate - _lengthening(parts.winch, gains, stretch)
+        f += damping * strain_rate
+        f, damping = with_quadratic_damping(parts.quadratic_damping, problem.numbers, strain_rate, f, damping)
         w0 = width(numeric, h)
         force = iterate(parts.slack, w0, f, cells[i, 0])
         cells[i, 0] = force

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.convergence import has_converged, is_rough
-from cable_model.kernels.jit import kernel
+from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.seabed import start_contacts, update_contacts
@@ -94,7 +94,7 @@ def scratch_size(n, dimension):
     return n * (7 * dimension + 5 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
 
 
-@kernel
+@views
 def cut_scratch(work, n, like):
     d = len(like)
     m = n * d

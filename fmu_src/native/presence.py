@@ -75,7 +75,7 @@ class _NeverRun(codegen.JITCodeLibrary):
 
 def take_over() -> None:
     """Let the kernels, which must not be imported yet, be compiled by this file's functions, and to LLVM code only."""
-    jit.kernel = kernel
+    jit.kernel = jit.views = kernel
     jit.inner_options = inner_options
     from cable_model.kernels import choice
 
