@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.model import Model
-from cable_model.motion import TopMotion, top_motion
+from cable_model.motion import MotionLike, top_motion
 from cable_model.signals import INPUTS, OUTPUTS
 
 
@@ -53,14 +54,15 @@ def simulate(
     model: Model,
     duration: float | None = None,
     output_step: float | None = None,
-    motion: TopMotion | None = None,
+    motion: MotionLike | None = None,
     progress: Callable[[float], None] | None = None,
     keep: Callable[[np.ndarray], None] | None = None,
 ) -> Result:
-    """Run a model over its scene's duration and return the series at its output step.
+    """Run a model over its scene's duration and return the series at its output step, and at the end where that is no output time.
 
-    `motion` replaces the scene's top motion; `progress` is told the time after every step, `keep` every row as soon as it is
-    there, so that a failed run keeps what came before.  Raises RunStopped, which has the rows so far.
+    The top's motion is followed between outputs too (driving.pieces).  `motion` replaces the scene's; `progress` is told the time after
+    every step, `keep` every row as soon as it is there, so that a failed run keeps what came before.  Raises RunStopped, which has the
+    rows so far.
     """
     scene = model.scene
     duration = scene.run.duration if duration is None else duration
@@ -80,13 +82,11 @@ def simulate(
     model.initialize(start)
     record(0.0, start)
     try:
-        for k in range(round(duration / step)):
-            time = k * step
-            end_time = (k + 1) * step
-            model.advance(time, step, motion(time, 1), motion(end_time, -1))
-            record(end_time, motion(end_time, 1))
+        for output in output_steps(duration, step):
+            follow(model.advance, motion, output, scene.solver.time_step)
+            record(output.end, motion(output.end, 1))
             if progress is not None:
-                progress(end_time)
+                progress(output.end)
     except SolverError as error:
         raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes))) from error
     return Result(COLUMNS, np.array(rows), np.array(shapes))
