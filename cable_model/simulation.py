@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
 from cable_model.driving import follow, output_steps
-from cable_model.errors import SolverError
+from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.model import Model
 from cable_model.motion import MotionLike, top_motion
 from cable_model.signals import INPUTS, OUTPUTS
@@ -39,15 +40,61 @@ COLUMNS = ("time", *INPUTS, *OUTPUTS)
 
 
 def write_csv(path: Path, columns: tuple[str, ...], table: np.ndarray) -> None:
-    """Write a table with a header line; 12 significant digits."""
-    np.savetxt(path, table, fmt="%.12g", delimiter=",", header=",".join(columns), comments="")
+    """Write a table with a header line, in digits from which the same numbers are read."""
+    lines = [",".join(columns), *map(csv_row, table)]
+    with writing(path):
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def csv_row(row: np.ndarray) -> str:
+    """The shortest digits that read back as the same numbers, with commas between them."""
+    return ",".join(repr(number).removesuffix(".0") for number in row.tolist())
+
+
+class CsvRows:
+    """Writes rows of a run as they come.  The file is not touched before the first: a run that cannot begin leaves what was there."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file: TextIO | None = None
+
+    def __call__(self, row: np.ndarray) -> None:
+        with writing(self._path):
+            if self._file is None:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = self._path.open("w", encoding="utf-8")
+                self._file.write(",".join(COLUMNS) + "\n")
+            self._file.write(csv_row(row) + "\n")
+
+    def __enter__(self) -> CsvRows:
+        return self
+
+    def __exit__(self, *why: object) -> None:
+        if self._file is not None:
+            with writing(self._path):
+                self._file.close()
 
 
 def read_csv(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and numbers of a CSV file with a header line."""
-    with path.open(encoding="utf-8") as file:
-        columns = tuple(name.strip() for name in file.readline().split(","))
-        return columns, np.loadtxt(file, delimiter=",", ndmin=2)
+    """Columns and numbers of a CSV file with a header line; ParameterError names the line that is none."""
+    if not path.is_file():
+        raise ParameterError(f"{path}: no such file. Write it with `python -m cable_model run`.")
+    try:
+        header, *lines = path.read_text(encoding="utf-8").splitlines()
+    except ValueError as error:  # an empty file, or no text
+        raise ParameterError(f"{path}: no CSV file with a header line. Write it with `python -m cable_model run`.") from error
+    columns = tuple(name.strip() for name in header.split(","))
+    if len(set(columns)) < len(columns):
+        raise ParameterError(f"{path}, line 1: two columns have one name. Give each column a name of its own.")
+    rows = []
+    for k, line in enumerate(lines, start=2):
+        try:
+            rows.append([float(text) for text in line.split(",")])
+        except ValueError as error:
+            raise ParameterError(f"{path}, line {k}: {error}. Mend the line, or write the file again.") from error
+        if len(rows[-1]) != len(columns):
+            raise ParameterError(f"{path}, line {k}: {len(rows[-1])} numbers under {len(columns)} names. Mend it, or write the file again.")
+    return columns, np.array(rows).reshape(-1, len(columns))
 
 
 def simulate(
