@@ -28,7 +28,7 @@ from pythonfmu import FmuBuilder
 
 from cable_model import __version__
 from cable_model.cli import summary
-from cable_model.cli_console import console, load_scene, words_of
+from cable_model.cli_console import check_output, console, load_scene, words_of
 from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.models import MODELS
 from cable_model.scene import Scene
@@ -204,6 +204,7 @@ def main(
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
     try:
+        check_output(output, folder=not scene)
         if scene:
             baked = load_scene(scene)
             key = model or baked.run.model

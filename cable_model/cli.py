@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cable_model import cli_docs, cli_studies
-from cable_model.cli_console import console, fail, load_scene, progress, save, say, words_of
+from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, words_of
 from cable_model.comparison import Difference, compare, remarks
 from cable_model.effects import effects, unknowns_per_node
 from cable_model.errors import ParameterError, SolverError, unknown
@@ -82,6 +82,7 @@ def run(
     model: Annotated[Choice | None, typer.Option(help="chain, tow or both; default: what the scene is meant for")] = None,
 ) -> None:
     """Simulate a scene, write its time series as CSV and print a short result table."""
+    check_output(output)
     loaded = load_scene(scene)
     results = {}
     for name in _models(model, loaded):
@@ -158,6 +159,7 @@ def _print_differences(found: list[Difference]) -> bool:
     return not failed
 
 
+FINER = 8  # communication steps in one, against which the holding of inputs is measured
 RelativeTolerance = Annotated[float, typer.Option(help="allowed difference as a share of the signal's range")]
 AbsoluteTolerance = Annotated[float, typer.Option(help="allowed difference in the signal's unit, added")]
 
@@ -195,6 +197,7 @@ def check(
     from cable_model.fmu_check import divided, recorded_motion, rows_of_inputs, sampled_motion, simulate_fmu
 
     motion: MotionLike
+    check_output(reference)
     if not reference.is_file() and not (scene is not None and write):
         raise ParameterError(f"{reference}: no such file. Give --scene and --write to make this reference.")
     if scene is not None:
@@ -222,9 +225,6 @@ def check(
         raise typer.Exit(1)
 
 
-FINER = 8  # communication steps in one, against which the holding of inputs is measured
-
-
 def holding(found: list[Difference], held: list[Difference], left: list[Difference]) -> str:
     """What holding the inputs costs, and whether that is the difference; with steps FINER times shorter `left` remains."""
     before, cost, after = (max(group, key=lambda d: d.share_of_range) for group in (found, held, left))
@@ -247,6 +247,7 @@ def bench(
     """Measure what each effect costs on this machine, switched on alone."""
     from cable_model.benchmark import CASES, markdown, measure
 
+    check_output(output)
     for name in case or []:
         if name not in CASES:
             raise unknown(name, CASES, "case")
@@ -278,6 +279,7 @@ def hard(
     from cable_model.hard import report, runner
     from cable_model.hard.bad_input import bad_input
 
+    check_output(output, folder=True)
     cases = runner.chosen(case or [])
     if not cases and case != ["H15"]:
         raise unknown(", ".join(case or []), [known.key for known in runner.CASES], "case")

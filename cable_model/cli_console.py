@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from cable_model.errors import reading, writing
+from cable_model.errors import ParameterError, reading, writing
 from cable_model.scene import Scene, load
 
 console = Console(markup=False, emoji=False)  # titles, paths and errors have brackets and colons of their own
@@ -47,6 +47,13 @@ def save(path: Path, text: str) -> None:
     with writing(path):
         path.write_text(text, encoding="utf-8")
     say(f"wrote {path}")
+
+
+def check_output(path: Path | None, folder: bool = False) -> None:
+    """Refuse, before minutes are spent, a folder where a file will be written, or a file where a folder will."""
+    if path is not None and path.exists() and path.is_dir() is not folder:
+        wanted, found = ("folder", "file") if folder else ("file", "folder")
+        raise ParameterError(f"{path}: is a {found}. Give the name of a {wanted}.")
 
 
 def words_of(error: OSError) -> str:

@@ -12,7 +12,7 @@ import typer
 from rich.progress import Progress, TaskID
 from rich.table import Table
 
-from cable_model.cli_console import console, load_scene, progress, save, say
+from cable_model.cli_console import check_output, console, load_scene, progress, save, say
 from cable_model.errors import ParameterError, refuse, unknown
 from cable_model.scene import to_toml
 from cable_model.studies.timed import SIGNALS, worst
@@ -58,6 +58,7 @@ def study(
     """Measure what accuracy costs on a scene: error against processor time of every method, as CSV and picture."""
     from cable_model.studies import work_precision
 
+    check_output(output, folder=True)
     loaded = load_scene(scene)
     with progress() as bar:
         task = bar.add_task("reference", total=1.0)
@@ -88,6 +89,7 @@ def advise(
     from cable_model.studies import advice as found
     from cable_model.studies.price import price
 
+    check_output(output)
     wanted = fraction(accuracy)
     loaded = load_scene(scene)
     with progress() as bar:
@@ -135,6 +137,7 @@ def advise_trial(
     """Try the adviser on ten scenes that it was not made with: accuracy against a finer run, cost against the full study."""
     from cable_model.studies import advice_scenes, advice_trial
 
+    check_output(output)
     names = scene or list(advice_scenes.SCENES)
     for name in names:
         if name not in advice_scenes.SCENES:
@@ -163,6 +166,7 @@ def sweep(
     """Run a scene at every combination of values; resumes where it stopped."""
     from cable_model.studies import sweep as sweeping
 
+    check_output(output, folder=True)
     wanted = sweeping.jobs(*sweeping.read(file))
     count = workers or os.cpu_count() or 1
     for path in sweeping.damaged(wanted, output):
@@ -190,6 +194,7 @@ def published(
     """Compute the published figures and tables anew, and where the shortcuts hold; pictures, tables and an index."""
     from cable_model.studies.published import catalogue
 
+    check_output(output, folder=True)
     with progress() as bar:
         task = bar.add_task("published", total=1.0)
         written = catalogue.write_all(output, only or (), quick, lambda text, done: bar.update(task, description=text, completed=done))
@@ -206,6 +211,7 @@ def peers(
     """Compare cost at equal accuracy with MoorDyn and CableDyn (extra "peers")."""
     from cable_model.peers import compare as comparing
 
+    check_output(output)
     for name in case or []:
         if name not in comparing.CASES:
             raise unknown(name, comparing.CASES, "case")
@@ -227,6 +233,7 @@ def targets(
     """Measure what the chain reaches in the cases of four other codes, at costs set beside theirs (extra "peers")."""
     from cable_model.peers import targets as sought
 
+    check_output(output)
     with progress() as bar:
         task = bar.add_task("targets", total=None)
         text = sought.markdown(sought.measure(quick, _teller(bar, task)))
@@ -241,6 +248,7 @@ def limits(
     """Count the kernels' operations, time them, and set both beside what the machine can do."""
     from cable_model.limits import report
 
+    check_output(output)
     with progress() as bar:
         task = bar.add_task("limits", total=None)
         text = report.markdown(report.measure(quick, _teller(bar, task)))

@@ -88,6 +88,8 @@ def read_csv(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
         raise ParameterError(f"{path}, line 1: two columns have one name. Give each column a name of its own.")
     rows = []
     for k, line in enumerate(lines, start=2):
+        if not line.strip():
+            continue
         try:
             rows.append([float(text) for text in line.split(",")])
         except ValueError as error:

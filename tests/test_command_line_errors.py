@@ -103,7 +103,11 @@ def read_csv_of(scene: Path):
 
 
 def test_a_folder_is_no_output(scene, refused, tmp_path):
-    assert refused("run", scene, "-o", tmp_path) == f"{tmp_path}: Is a directory. Give the name of a file."
+    told = f"{tmp_path}: is a folder. Give the name of a file."
+    assert refused("run", scene, "-o", tmp_path) == told
+    assert refused("advise", scene, "-o", tmp_path) == told
+    assert refused("check", tmp_path / "x.fmu", "--scene", scene, "--write", "--reference", tmp_path) == told
+    assert refused("study", scene, "-o", scene) == f"{scene}: is a file. Give the name of a folder."
     for name in (tmp_path, tmp_path / "a.xyz"):
         assert refused("plot", scene, "-o", name).startswith(f"{name}: no name of a picture file. Give one that ends in one of .")
 
