@@ -25,13 +25,13 @@ from xml.etree.ElementTree import Element, indent, tostring
 import pythonfmu
 import typer
 from pythonfmu import FmuBuilder
-from rich.console import Console
 
 from cable_model import __version__
 from cable_model.cli import summary
-from cable_model.errors import ParameterError
+from cable_model.cli_console import check_output, console, load_scene, words_of
+from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.models import MODELS
-from cable_model.scene import Scene, load
+from cable_model.scene import Scene
 from fmu_src import trial
 from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
@@ -114,7 +114,8 @@ def _pack(source: Path, extra: dict[str, bytes], to: Path) -> None:
             info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o100644 << 16
             archive.writestr(info, entries[name])
     to.parent.mkdir(parents=True, exist_ok=True)
-    to.write_bytes(buffer.getvalue())
+    with writing(to):
+        to.write_bytes(buffer.getvalue())
 
 
 def _object_code(model: str, scene: Scene) -> tuple[bytes, Sequence[Variant]]:
@@ -203,8 +204,9 @@ def main(
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
     try:
+        check_output(output, folder=not scene)
         if scene:
-            baked = load(scene)
+            baked = load_scene(scene)
             key = model or baked.run.model
             if key not in MODELS:
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
@@ -217,10 +219,13 @@ def main(
             typer.echo(f"{path}  {path.stat().st_size} bytes")
         if simulate:
             results = trial.simulate({path.stem: path for path in made[: len(MODELS)]}, simulate, Path("results"))
-            Console().print(summary(results))
+            console.print(summary(results))
             typer.echo("CSV files and a picture are in results/")
-    except ParameterError as error:
+    except (ParameterError, SolverError) as error:
         typer.echo(str(error), err=True)
+        raise typer.Exit(2) from None
+    except OSError as error:
+        typer.echo(words_of(error), err=True)
         raise typer.Exit(2) from None
 
 

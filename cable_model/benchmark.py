@@ -9,6 +9,7 @@ import statistics
 import time
 from dataclasses import dataclass
 
+from cable_model.driving import output_steps, pieces
 from cable_model.effects import COST_CASES
 from cable_model.machine import machine
 from cable_model.model import Model
@@ -49,12 +50,12 @@ def scene_of(changes: dict[str, object]) -> Scene:
 
 def _seconds(model: Model, scene: Scene) -> float:
     motion = top_motion(scene.top)
-    step = scene.run.output_step
     model.initialize(motion(0.0))
-    moments = [(k * step, motion(k * step), motion((k + 1) * step, -1)) for k in range(round(scene.run.duration / step))]
+    outputs = output_steps(scene.run.duration, scene.run.output_step)
+    moments = [piece for output in outputs for piece in pieces(motion, output, scene.solver.time_step)]
     begun = time.perf_counter()
-    for moment, start, end in moments:
-        model.advance(moment, step, start, end)
+    for piece in moments:
+        model.advance(*piece)
     return time.perf_counter() - begun
 
 

@@ -6,24 +6,25 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
-from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
+from rich.text import Text
 
 from cable_model import cli_docs, cli_studies
-from cable_model.comparison import Difference, compare
+from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, words_of
+from cable_model.comparison import Difference, compare, remarks
 from cable_model.errors import ParameterError, SolverError, unknown
+from cable_model.kernel_cache import mended
 from cable_model.model import Model
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
-from cable_model.scene import Scene, load, shipped
+from cable_model.motion import MotionLike, top_motion
+from cable_model.scene import Scene, shipped
 from cable_model.simulated import effects, unknowns_per_node
-from cable_model.simulation import COLUMNS, Result, read_csv, simulate, write_csv
+from cable_model.simulation import CsvRows, Result, read_csv, simulate, write_csv
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, help="Underwater and hanging cables under a moving top end.")
-console = Console()
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, rich_markup_mode=None, help="Underwater and hanging cables under a moving top end."
+)
 SceneArgument = Annotated[
     str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(name for name in shipped() if "/" not in name))
 ]
@@ -38,17 +39,11 @@ class Choice(StrEnum):
 def run_with_progress(model: Model, csv: Path | None = None) -> Result:
     """Run a model's scene with a progress bar; rows go to `csv` as they come, so that a failed run keeps them."""
     scene = model.scene
-    with Progress(console=console, transient=True) as bar:
+    with progress() as bar:
         task = bar.add_task(f"{type(model).__name__}: {scene.title}", total=scene.run.duration)
         if csv is None:
             return simulate(model, progress=lambda t: bar.update(task, completed=t))
-        csv.parent.mkdir(parents=True, exist_ok=True)
-        with csv.open("w", encoding="utf-8") as file:
-            file.write(",".join(COLUMNS) + "\n")
-
-            def keep(row: np.ndarray) -> None:
-                file.write(",".join(f"{x:.12g}" for x in row) + "\n")
-
+        with CsvRows(csv) as keep:
             return simulate(model, progress=lambda t: bar.update(task, completed=t), keep=keep)
 
 
@@ -87,14 +82,15 @@ def run(
     model: Annotated[Choice | None, typer.Option(help="chain, tow or both; default: what the scene is meant for")] = None,
 ) -> None:
     """Simulate a scene, write its time series as CSV and print a short result table."""
-    loaded = load(scene)
+    check_output(output)
+    loaded = load_scene(scene)
     results = {}
     for name in _models(model, loaded):
         target = output or Path("results") / f"{Path(scene).stem}.csv"
         if model is Choice.both or (output is None and name != loaded.run.model):
             target = target.with_stem(f"{target.stem}_{name}")
         results[name] = run_with_progress(MODELS[name](loaded), target)
-        console.print(f"wrote {target}")
+        say(f"wrote {target}")
     console.print(summary(results))
 
 
@@ -105,13 +101,14 @@ def plot(
     model: Annotated[Choice, typer.Option(help="chain, tow or both, drawn over each other")] = Choice.both,
 ) -> None:
     """Simulate a scene and draw tension, motion, path and shapes."""
-    from cable_model.plots import picture
+    from cable_model.plots import check_kind, picture
 
-    loaded = load(scene)
-    results = {name: run_with_progress(MODELS[name](loaded)) for name in _models(model, loaded)}
+    loaded = load_scene(scene)
     target = output or Path("results") / f"{Path(scene).stem}.png"
+    check_kind(target)  # before minutes are spent
+    results = {name: run_with_progress(MODELS[name](loaded)) for name in _models(model, loaded)}
     picture({type_name(name): r for name, r in results.items()}, loaded.title, target)
-    console.print(f"wrote {target}")
+    say(f"wrote {target}")
 
 
 def type_name(model: str) -> str:
@@ -121,8 +118,9 @@ def type_name(model: str) -> str:
 @app.command()
 def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="chain, tow or both")] = Choice.both) -> None:
     """List which effects a scene switches on and why, and what is solved for."""
-    loaded = load(scene)
-    console.print(f"[bold]{loaded.title}[/bold]\n{loaded.source.strip()}\n")
+    loaded = load_scene(scene)
+    say(loaded.title, "bold")
+    say(f"{loaded.source.strip()}\n")
     for name in _models(model, loaded):
         table = Table(title=type_name(name))
         for column in ("effect", "active", "because"):
@@ -132,26 +130,36 @@ def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="c
         console.print(table)
         if name == "chain":
             each = unknowns_per_node(loaded, name)
-            console.print(f"{loaded.solver.nodes} nodes, {each} unknowns a node: {each * loaded.solver.nodes} unknowns\n")
+            say(f"{loaded.solver.nodes} nodes, {each} unknowns a node: {each * loaded.solver.nodes} unknowns\n")
         else:
-            console.print(f"{unknowns_per_node(loaded, name)} degrees of freedom: swing and stretch of one straight cable\n")
+            say(f"{unknowns_per_node(loaded, name)} degrees of freedom: swing and stretch of one straight cable\n")
 
 
-def _print_differences(found: list[Difference]) -> None:
+def per_cent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
+def _print_differences(found: list[Difference]) -> bool:
+    """The table and its verdict; whether all agree."""
     table = Table(title="Comparison with the reference")
     for column in ("signal", "largest difference", "of its range", "at (s)", "allowed", ""):
-        table.add_column(column, justify="left" if column in ("signal", "") else "right")
+        table.add_column(column, justify="left" if column in ("signal", "") else "right", no_wrap=column == "signal")
     for d in found:
-        verdict = "[green]ok[/green]" if d.passed else "[bold red]DIFFERS[/bold red]"
-        table.add_row(d.signal, f"{d.largest:.3g}", f"{d.share_of_range:.2e}", f"{d.time:.4g}", f"{d.allowed:.3g}", verdict)
+        share = "-" if d.largest > 0.0 and d.share_of_range == 0.0 else per_cent(d.share_of_range)  # - where the reference is always 0
+        verdict = Text("ok", "green") if d.passed else Text("DIFFERS", "bold red")
+        table.add_row(d.signal, f"{d.largest:.3g}", share, f"{d.time:.4g}", f"{d.allowed:.3g}", verdict)
     console.print(table)
-    failed = [d.signal for d in found if not d.passed]
+    failed = [d for d in found if not d.passed]
     if failed:
-        console.print(f"{len(failed)} of {len(found)} signals differ: {', '.join(failed)}")
-        raise typer.Exit(1)
-    console.print(f"all {len(found)} signals agree")
+        worst = max(failed, key=lambda d: d.share_of_range)
+        say(f"{len(failed)} of {len(found)} signals differ: {', '.join(d.signal for d in failed)}")
+        say(f"the most: {worst.signal} by {per_cent(worst.share_of_range)} of its range, at {worst.time:.4g} s")
+    else:
+        say(f"all {len(found)} signals agree")
+    return not failed
 
 
+FINER = 8  # communication steps in one, against which the holding of inputs is measured
 RelativeTolerance = Annotated[float, typer.Option(help="allowed difference as a share of the signal's range")]
 AbsoluteTolerance = Annotated[float, typer.Option(help="allowed difference in the signal's unit, added")]
 
@@ -164,12 +172,12 @@ def compare_files(
     atol: AbsoluteTolerance = 1e-9,
 ) -> None:
     """Compare two CSV files signal by signal; exit status 1 when they differ."""
-    for path in (a, b):
-        if not path.is_file():
-            raise ParameterError(f"{path}: no such file. Write it with `python -m cable_model run`.")
-    columns, table = read_csv(a)
-    reference_columns, reference = read_csv(b)
-    _print_differences(compare(columns, table, reference_columns, reference, rtol, atol))
+    tables = (*read_csv(a), *read_csv(b))
+    found = compare(*tables, rtol, atol)
+    for remark in remarks(*tables):
+        say(remark)
+    if not _print_differences(found):
+        raise typer.Exit(1)
 
 
 @app.command()
@@ -181,30 +189,52 @@ def check(
     rtol: RelativeTolerance = 1e-6,
     atol: AbsoluteTolerance = 1e-9,
 ) -> None:
-    """Simulate an FMU through fmpy and compare it with a reference; exit status 1 when they differ."""
-    from cable_model.fmu_check import sampled_motion, simulate_fmu
-    from cable_model.signals import INPUTS
+    """Simulate an FMU through fmpy and compare it with a reference; exit status 1 when they differ.
 
-    if not fmu.is_file():
-        raise ParameterError(f"{fmu}: no such file. Build it with `python build_fmu.py`.")
+    An FMU knows its inputs at the starts of its communication steps only. Against a run with prescribed motion, the check says what that
+    costs: it simulates the FMU again with shorter steps.
+    """
+    from cable_model.fmu_check import divided, recorded_motion, rows_of_inputs, sampled_motion, simulate_fmu
+
+    motion: MotionLike
+    check_output(reference)
+    if not reference.is_file() and not (scene is not None and write):
+        raise ParameterError(f"{reference}: no such file. Give --scene and --write to make this reference.")
     if scene is not None:
-        loaded = load(scene)
-        times, inputs = sampled_motion(top_motion(loaded.top, loaded.winch), loaded.run.duration, loaded.run.output_step)
-    elif reference.is_file():
-        columns, table = read_csv(reference)
-        times = table[:, columns.index("time")]
-        inputs = table[:, [columns.index(name) for name in INPUTS]]
+        loaded = load_scene(scene)
+        motion = top_motion(loaded.top, loaded.winch)
+        times, inputs = sampled_motion(motion, loaded.run.duration, loaded.run.output_step)
     else:
-        raise ParameterError(f"{reference}: no such file. Give --scene to simulate, and --write to make this reference.")
-    result_columns, result = simulate_fmu(fmu, times, inputs)
+        times, inputs = rows_of_inputs(reference, *read_csv(reference))
+        motion = recorded_motion(times, inputs)
     if write:
+        columns, result = simulate_fmu(fmu, times, inputs, told=say)
         reference.parent.mkdir(parents=True, exist_ok=True)
-        write_csv(reference, result_columns, result)
-        console.print(f"wrote {reference}")
+        write_csv(reference, columns, result)
+        say(f"wrote {reference}")
         return
-    if not reference.is_file():
-        raise ParameterError(f"{reference}: no such file. Make it with --write.")
-    _print_differences(compare(result_columns, result, *read_csv(reference), rtol, atol))
+    expected = read_csv(reference)
+    columns, result = simulate_fmu(fmu, times, inputs, told=say)
+    found = compare(columns, result, *expected, rtol, atol)
+    for remark in remarks(columns, result, *expected):
+        say(remark)
+    if not _print_differences(found):
+        finer = simulate_fmu(fmu, *divided(times, inputs, motion, FINER))[1][::FINER]
+        held, left = compare(columns, result, columns, finer, rtol, atol), compare(columns, finer, *expected, rtol, atol)
+        say(holding(found, held, left))
+        raise typer.Exit(1)
+
+
+def holding(found: list[Difference], held: list[Difference], left: list[Difference]) -> str:
+    """What holding the inputs costs, and whether that is the difference; with steps FINER times shorter `left` remains."""
+    before, cost, after = (max(group, key=lambda d: d.share_of_range) for group in (found, held, left))
+    costs = f"{per_cent(cost.share_of_range)} of the range of {cost.signal}"
+    words = f"Holding the inputs over communication steps costs up to {costs}; with steps {FINER} times shorter the FMU differs "
+    words += f"from the reference by {per_cent(after.share_of_range)} ({after.signal}) instead of {per_cent(before.share_of_range)}: "
+    if after.share_of_range < 0.5 * before.share_of_range:
+        words += "most of the difference is the holding's, not the FMU's. "
+        return words + "Take a reference that an FMU wrote (--write), or a larger --rtol."
+    return words + "holding does not explain the difference."
 
 
 @app.command()
@@ -217,6 +247,7 @@ def bench(
     """Measure what each effect costs on this machine, switched on alone."""
     from cable_model.benchmark import CASES, markdown, measure
 
+    check_output(output)
     for name in case or []:
         if name not in CASES:
             raise unknown(name, CASES, "case")
@@ -232,12 +263,10 @@ def bench(
     if absent:
         from cable_model.limits import absent as without
 
-        proof = without.sentence(without.measure(told=console.print))
-        console.print(proof)
+        proof = without.sentence(without.measure(told=say))
+        say(proof)
     if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(markdown(costs, proof), encoding="utf-8")
-        console.print(f"wrote {output}")
+        save(output, markdown(costs, proof))
 
 
 @app.command()
@@ -250,6 +279,7 @@ def hard(
     from cable_model.hard import report, runner
     from cable_model.hard.bad_input import bad_input
 
+    check_output(output, folder=True)
     cases = runner.chosen(case or [])
     if not cases and case != ["H15"]:
         raise unknown(", ".join(case or []), [known.key for known in runner.CASES], "case")
@@ -258,7 +288,7 @@ def hard(
     table = Table(title="Hard cases")
     for column in report.HEAD:
         table.add_column(column)
-    with Progress(console=console, transient=True) as bar:
+    with progress() as bar:
         task = bar.add_task("hard cases", total=len(order))
         for verdict in runner.run_all(cases, jobs):
             verdicts.append(verdict)
@@ -274,12 +304,12 @@ def hard(
     console.print(table)
     for key, findings in further.items():
         for f in findings:
-            console.print(f"{key}: {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})")
+            say(f"{key}: {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})")
     if not case or "H15" in case:
         further["H15"] = bad_input()
-        console.print(f"H15: {sum(f.holds for f in further['H15'])} of {len(further['H15'])} bad inputs give one clear error")
+        say(f"H15: {sum(f.holds for f in further['H15'])} of {len(further['H15'])} bad inputs give one clear error")
     report.write(output, verdicts, further)
-    console.print(f"wrote {output / 'README.md'}, table.csv and pictures")
+    say(f"wrote {output / 'README.md'}, table.csv and pictures")
     failed = [v for v in verdicts if v.variant.judged and not v.passed]
     if failed or any(not f.holds for findings in further.values() for f in findings):
         raise typer.Exit(1)
@@ -297,7 +327,9 @@ app.command("advise-trial")(cli_studies.advise_trial)
 def main() -> None:
     """Run the command line; the package's own errors end it with one clear line and exit status 2."""
     try:
-        app()
+        with mended():
+            app()
     except (ParameterError, SolverError) as error:
-        console.print(f"[bold red]error:[/bold red] {error}", highlight=False, markup=True, soft_wrap=True)
-        raise SystemExit(2) from error
+        fail(str(error))
+    except OSError as error:
+        fail(words_of(error))

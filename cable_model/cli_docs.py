@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from cable_model import cli_studies
+from cable_model.cli_console import console, say
 from cable_model.errors import ParameterError, SolverError, unknown
 
-console = Console()
 PICTURED = ("dale_sphere", "hanging_chain", "towed_body")
 STUDIED = ("hanging_chain", "towed_body")
 QUICK_PEER = "C3 sphere, EA 22 N"
@@ -97,6 +96,6 @@ def docs(
             if ended.exit_code:
                 failed.append(f"{name}: ended with status {ended.exit_code}")
     for line in failed:
-        console.print(f"[bold red]not written or not passed:[/bold red] {line}")
+        say(f"not written or not passed: {line}", "bold red")
     if failed:
         raise typer.Exit(1)

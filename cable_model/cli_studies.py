@@ -9,15 +9,14 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 from rich.progress import Progress, TaskID
 from rich.table import Table
 
+from cable_model.cli_console import check_output, console, load_scene, progress, save, say
 from cable_model.errors import ParameterError, refuse, unknown
-from cable_model.scene import load, to_toml
+from cable_model.scene import to_toml
 from cable_model.studies.timed import SIGNALS, worst
 
-console = Console()
 FACTORS = (3.0, 10.0)  # of further accuracy, whose prices are told
 
 
@@ -51,12 +50,6 @@ def _teller(bar: Progress, task: TaskID, before: str = "") -> Callable[[str], No
     return told
 
 
-def _save(path: Path, text: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
-    console.print(f"wrote {path}")
-
-
 def study(
     scene: Annotated[str, typer.Argument(help="a scene file, or the name of a shipped scene")],
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the CSV and the picture")] = Path("results/study"),
@@ -65,8 +58,9 @@ def study(
     """Measure what accuracy costs on a scene: error against processor time of every method, as CSV and picture."""
     from cable_model.studies import work_precision
 
-    loaded = load(scene)
-    with Progress(console=console, transient=True) as bar:
+    check_output(output, folder=True)
+    loaded = load_scene(scene)
+    with progress() as bar:
         task = bar.add_task("reference", total=1.0)
         reference, points = work_precision.study(loaded, quick, lambda text, done: bar.update(task, description=text, completed=done))
     name = Path(scene).name.removesuffix(".toml")
@@ -74,7 +68,7 @@ def study(
     work_precision.write_csv(rows, loaded, reference, points)
     work_precision.picture(picture, loaded, reference, points)
     if not reference.converged:
-        console.print("[bold red]The reference did not converge[/bold red]: the errors below are against a run that may be wrong itself.")
+        say("The reference did not converge: the errors below are against a run that may be wrong itself.", "bold red")
     for signal in SIGNALS:
         table = Table(title=f"Cheapest ways to an error of the {signal} (reference's own: {reference.own_error[signal]:.1e})")
         for column in ("error", "CPU s per simulated s", "method", "setting"):
@@ -82,7 +76,7 @@ def study(
         for p in work_precision.front(points, signal):
             table.add_row(f"{p.errors[signal]:.1e}", f"{p.cost:.2e}", p.setting.method, p.setting.label)
         console.print(table)
-    console.print(f"wrote {rows} and {picture}")
+    say(f"wrote {rows} and {picture}")
 
 
 def advise(
@@ -95,9 +89,10 @@ def advise(
     from cable_model.studies import advice as found
     from cable_model.studies.price import price
 
+    check_output(output)
     wanted = fraction(accuracy)
-    loaded = load(scene)
-    with Progress(console=console, transient=True) as bar:
+    loaded = load_scene(scene)
+    with progress() as bar:
         task = bar.add_task("reference", total=None)
         advice = found.advise(loaded, wanted, of.signals, lambda text: bar.update(task, description=text))
     if not advice.reference.converged:
@@ -109,14 +104,14 @@ def advise(
             "too coarse: shorten run.duration, or refine solver.nodes and solver.time_step."
         )
     for check in advice.checks:
-        console.print(f"straight cable: {'[green]yes[/green]' if check.holds else '[red]no[/red]'}  {check.words}")
+        say(f"straight cable: {'yes' if check.holds else 'no'}  {check.words}", "green" if check.holds else "red")
     straight = [worst(p.errors, of.signals) for p in advice.points if p.setting.model == "tow"]
     if straight:
-        console.print(f"straight cable: its measured error is {min(straight):.1e}, and that decides")
+        say(f"straight cable: its measured error is {min(straight):.1e}, and that decides")
     for name, error in advice.left_out.items():
-        console.print(f"left out: {name} (changes the answer by {error:.1e})")
+        say(f"left out: {name} (changes the answer by {error:.1e})")
     for name, error in advice.kept.items():
-        console.print(f"kept: {name} (without it the error is {error:.1e})")
+        say(f"kept: {name} (without it the error is {error:.1e})")
     sure = ", ".join(f"{name} {value:.1e}" for name, value in advice.reference.own_error.items())
     if advice.choice is None:
         raise ParameterError(
@@ -124,16 +119,14 @@ def advise(
         )
     choice = advice.choice
     shown = ", ".join(f"{name} {value:.1e}" for name, value in choice.errors.items())
-    console.print(f"[bold]{choice.setting.method}: {choice.setting.label}[/bold]: {choice.cost:.2g} CPU s per simulated s")
-    console.print(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {len(advice.points)} settings tried")
+    say(f"{choice.setting.method}: {choice.setting.label}: {choice.cost:.2g} CPU s per simulated s", "bold")
+    say(f"measured error: {shown}; against a reference that is itself sure to: {sure}; {len(advice.points)} settings tried")
     for factor in FACTORS:
         priced = price(advice, loaded, factor)
         if priced is not None:
-            console.print(priced.words)
+            say(priced.words)
     if output is not None:
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(to_toml(advice.scene), encoding="utf-8")
-        console.print(f"wrote {output}")
+        save(output, to_toml(advice.scene))
 
 
 def advise_trial(
@@ -144,19 +137,20 @@ def advise_trial(
     """Try the adviser on ten scenes that it was not made with: accuracy against a finer run, cost against the full study."""
     from cable_model.studies import advice_scenes, advice_trial
 
+    check_output(output)
     names = scene or list(advice_scenes.SCENES)
     for name in names:
         if name not in advice_scenes.SCENES:
             raise unknown(name, advice_scenes.SCENES, "scene of the trial")
     rows = []
-    with Progress(console=console, transient=True) as bar:
+    with progress() as bar:
         task = bar.add_task("trial", total=len(names))
         for name in names:
             rows.append(advice_trial.trial(name, advice_scenes.scene(name), _teller(bar, task, f"{name}: "), quick))
             bar.update(task, advance=1)
-            bar.console.print(" | ".join(advice_trial.cells(rows[-1])), highlight=False)
+            say(" | ".join(advice_trial.cells(rows[-1])))
     if output is not None:
-        _save(output, advice_trial.markdown(rows))
+        save(output, advice_trial.markdown(rows))
     if not all(row.accurate and row.cheap for row in rows):
         raise typer.Exit(1)
 
@@ -172,15 +166,24 @@ def sweep(
     """Run a scene at every combination of values; resumes where it stopped."""
     from cable_model.studies import sweep as sweeping
 
+    check_output(output, folder=True)
     wanted = sweeping.jobs(*sweeping.read(file))
-    with Progress(console=console, transient=True) as bar:
-        task = bar.add_task(f"{len(wanted)} runs", total=len(wanted))
-        summaries = sweeping.run(wanted, output, workers or os.cpu_count() or 1, lambda done: bar.update(task, completed=done), scheduler)
+    count = workers or os.cpu_count() or 1
+    for path in sweeping.damaged(wanted, output):
+        say(f"{path}: damaged; its run is done again")
+    try:
+        with progress() as bar:
+            task = bar.add_task(f"{len(wanted)} runs", total=len(wanted))
+            summaries = sweeping.run(wanted, output, count, lambda done: bar.update(task, completed=done), scheduler)
+    except KeyboardInterrupt:
+        left = len(sweeping.missing(wanted, output))
+        say(f"interrupted: {len(wanted) - left} of {len(wanted)} runs are in {output}; the same command does the rest")
+        raise typer.Exit(130) from None
     sweeping.write_table(output / "table.csv", summaries)
     failed = [summary for summary in summaries if summary["error"]]
-    console.print(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
+    say(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
     for summary in failed:
-        console.print(f"stopped: {summary['key']}: {summary['error']}")
+        say(f"stopped: {summary['key']}: {summary['error']}")
 
 
 def published(
@@ -191,12 +194,13 @@ def published(
     """Compute the published figures and tables anew, and where the shortcuts hold; pictures, tables and an index."""
     from cable_model.studies.published import catalogue
 
-    with Progress(console=console, transient=True) as bar:
+    check_output(output, folder=True)
+    with progress() as bar:
         task = bar.add_task("published", total=1.0)
         written = catalogue.write_all(output, only or (), quick, lambda text, done: bar.update(task, description=text, completed=done))
     for path in written:
-        console.print(f"wrote {path} and {path.with_suffix('.csv').name}")
-    console.print(f"wrote {output / 'README.md'}")
+        say(f"wrote {path} and {path.with_suffix('.csv').name}")
+    say(f"wrote {output / 'README.md'}")
 
 
 def peers(
@@ -207,18 +211,19 @@ def peers(
     """Compare cost at equal accuracy with MoorDyn and CableDyn (extra "peers")."""
     from cable_model.peers import compare as comparing
 
+    check_output(output)
     for name in case or []:
         if name not in comparing.CASES:
             raise unknown(name, comparing.CASES, "case")
     accuracies, segments = comparing.ACCURACIES[: 1 if quick else None], comparing.SEGMENTS[: 2 if quick else None]
     rows = []
-    with Progress(console=console, transient=True) as bar:
+    with progress() as bar:
         task = bar.add_task("peers", total=None)
         for name in case or comparing.CASES:
             rows += comparing.compare(name, accuracies, segments, _teller(bar, task, f"{name}: "))
             if output is not None:  # every case that is done is kept
-                _save(output, comparing.markdown(rows))
-    console.print(comparing.markdown(rows))
+                save(output, comparing.markdown(rows))
+    say(comparing.markdown(rows))
 
 
 def targets(
@@ -228,11 +233,12 @@ def targets(
     """Measure what the chain reaches in the cases of four other codes, at costs set beside theirs (extra "peers")."""
     from cable_model.peers import targets as sought
 
-    with Progress(console=console, transient=True) as bar:
+    check_output(output)
+    with progress() as bar:
         task = bar.add_task("targets", total=None)
         text = sought.markdown(sought.measure(quick, _teller(bar, task)))
-    console.print(text, soft_wrap=True)
-    _save(output, text)
+    say(text)
+    save(output, text)
 
 
 def limits(
@@ -242,8 +248,9 @@ def limits(
     """Count the kernels' operations, time them, and set both beside what the machine can do."""
     from cable_model.limits import report
 
-    with Progress(console=console, transient=True) as bar:
+    check_output(output)
+    with progress() as bar:
         task = bar.add_task("limits", total=None)
         text = report.markdown(report.measure(quick, _teller(bar, task)))
-    console.print(text, soft_wrap=True)
-    _save(output, text)
+    say(text)
+    save(output, text)

@@ -1,41 +1,170 @@
-"""Simulating a built FMU through fmpy under given top motion, to compare it with a reference."""
+"""Simulating a built FMU under given top motion, to compare it with a reference; what is no FMU of ours is refused."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+import itertools
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from cable_model.motion import TopMotion
+from cable_model.comparison import times_of
+from cable_model.driving import ROUNDING, output_steps
+from cable_model.errors import ParameterError, SolverError, unknown
+from cable_model.motion import MotionLike, TopMotion
 from cable_model.signals import INPUTS, OUTPUTS
+
+RESULTS = (*OUTPUTS, "solver.cpu_time")
+WARNING, ERROR = 1, 3  # status of what an FMU logs
+
+
+def _refused(fmu: Path, why: object) -> ParameterError:
+    line = " ".join(str(why).split())
+    return ParameterError(f"{fmu}: no FMU that can be simulated ({line.rstrip('.')}). Build it with `python build_fmu.py`.")
+
+
+class _Opened:
+    """An unzipped FMU with one instance; variables by their names."""
+
+    def __init__(self, fmu: Path, folder: str) -> None:
+        import fmpy
+        from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+        self.fmu = fmu
+        self.messages: list[tuple[int, str]] = []
+        if not zipfile.is_zipfile(fmu):
+            raise _refused(fmu, "it is no zip file, or a part of one")
+        try:
+            description = fmpy.read_model_description(str(fmu))
+            fmpy.extract(str(fmu), folder)
+        except KeyError as absent:
+            raise _refused(fmu, "it has no modelDescription.xml") from absent
+        except AttributeError as other:  # what fmpy says of a file without attributes
+            raise _refused(fmu, "its modelDescription.xml is not FMI's") from other
+        except Exception as error:  # fmpy raises bare Exceptions, lxml its own
+            if isinstance(error, OSError):
+                raise
+            raise _refused(fmu, error) from error
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise _refused(fmu, f"FMI {description.fmiVersion}, and FMI 2.0 for co-simulation is needed")
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        lacking = [name for name in (*INPUTS, *RESULTS) if name not in self.variables]
+        if lacking:
+            raise _refused(fmu, f"it has no {', '.join(lacking[:3])}{' ...' if len(lacking) > 3 else ''}")
+        identifier = description.coSimulation.modelIdentifier
+        try:
+            self.slave = FMU2Slave(guid=description.guid, unzipDirectory=folder, instanceName="checked", modelIdentifier=identifier)
+        except Exception as error:  # no binary for this machine, or one that does not load
+            raise _refused(fmu, error) from error
+        self._callbacks = fmi2CallbackFunctions(
+            fmi2CallbackLoggerTYPE(self._log), defaultCallbacks.allocateMemory, defaultCallbacks.freeMemory, defaultCallbacks.stepFinished
+        )
+
+    def _log(self, environment: int, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((status, text.decode(errors="replace")))
+
+    def instantiate(self) -> None:
+        self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        for name, value in values.items():
+            if name not in self.variables:
+                raise unknown(name, self.variables, "variable of the FMU")
+            variable = self.variables[name]
+            getattr(self.slave, f"set{variable.type}")([variable.valueReference], [value])
+
+    def results(self) -> list[float]:
+        found: list[float] = self.slave.getReal([self.variables[name].valueReference for name in RESULTS])
+        return found
+
+
+@contextlib.contextmanager
+def _opened(fmu: Path) -> Iterator[_Opened]:
+    """An FMU until the block ends; a call that fails is a SolverError with what the FMU said."""
+    from fmpy.fmi1 import FMICallException
+
+    if not fmu.is_file():
+        raise ParameterError(f"{fmu}: no such file. Build it with `python build_fmu.py`.")
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        opened = _Opened(fmu, folder)
+        try:
+            opened.instantiate()
+            yield opened
+            opened.slave.terminate()
+        except FMICallException as failure:
+            said = [text for status, text in opened.messages if status == ERROR] or [text for _, text in opened.messages[-1:]]
+            raise SolverError(f"{fmu}: {failure} {said[-1] if said else ''}".strip()) from failure
+        finally:
+            if opened.slave.component is not None:
+                opened.slave.freeInstance()
 
 
 def simulate_fmu(
-    fmu: Path, times: np.ndarray, inputs: np.ndarray, parameters: Mapping[str, object] | None = None
+    fmu: Path,
+    times: np.ndarray,
+    inputs: np.ndarray,
+    parameters: Mapping[str, object] | None = None,
+    told: Callable[[str], None] | None = None,
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Simulate an FMU at equal communication steps `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has."""
-    import fmpy
+    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has.
 
-    layout = [("time", float), *((name, float) for name in INPUTS)]
-    signals = np.array([(t, *row) for t, row in zip(times, inputs, strict=True)], dtype=layout)
-    outputs = [*OUTPUTS, "solver.cpu_time"]
-    result = fmpy.simulate_fmu(
-        str(fmu),
-        start_time=float(times[0]),
-        stop_time=float(times[-1]),
-        step_size=float(times[1] - times[0]),
-        output_interval=float(times[1] - times[0]),
-        input=signals,
-        output=outputs,
-        start_values={**dict(zip(INPUTS, inputs[0], strict=True)), **(parameters or {})},
-        fmi_type="CoSimulation",
-    )
-    table = np.column_stack([result["time"], inputs[: len(result)], *(result[name] for name in outputs)])
-    return ("time", *INPUTS, *outputs), table
+    Inputs are set at the start of each communication step, as FMI has it.  `told` gets the warnings that the FMU logs.  Raises
+    ParameterError for what is no FMU of ours, SolverError for a call that fails.
+    """
+    with _opened(fmu) as opened:
+        opened.slave.setupExperiment(startTime=float(times[0]), stopTime=float(times[-1]))
+        opened.set({**dict(zip(INPUTS, inputs[0].tolist(), strict=True)), **(parameters or {})})
+        opened.slave.enterInitializationMode()
+        opened.slave.exitInitializationMode()
+        references = [opened.variables[name].valueReference for name in INPUTS]
+        rows = [opened.results()]
+        for (start, end), given in zip(itertools.pairwise(times.tolist()), inputs.tolist(), strict=False):
+            opened.slave.setReal(references, given)
+            opened.slave.doStep(start, end - start)
+            rows.append(opened.results())
+        if told is not None:
+            for text in dict.fromkeys(text for status, text in opened.messages if status == WARNING):
+                told(text)
+    return ("time", *INPUTS, *RESULTS), np.column_stack([times, inputs, np.array(rows)])
 
 
 def sampled_motion(motion: TopMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times k * step and the top's motion there, (n, 10)."""
-    times = step * np.arange(round(duration / step) + 1)
-    return times, np.array([motion(t) for t in times])
+    """Output times of a run and events of the motion between them, and the top there, (n, 10): a host must not step over an event."""
+    times = [0.0]
+    for output in output_steps(duration, step):
+        near = ROUNDING * output.length
+        times += [*motion.events_within(output.start + near, output.end - near), output.end]
+    return np.array(times), np.array([motion(t) for t in times])
+
+
+def divided(times: np.ndarray, inputs: np.ndarray, motion: MotionLike, parts: int) -> tuple[np.ndarray, np.ndarray]:
+    """So many communication steps in each, with the motion at their starts; every `parts`-th row is one that was given."""
+    finer = np.interp(np.arange((len(times) - 1) * parts + 1) / parts, np.arange(len(times)), times)
+    given = {k * parts: row for k, row in enumerate(inputs)}
+    return finer, np.array([given[k] if k in given else motion(t, 1) for k, t in enumerate(finer)])
+
+
+def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) and inputs (n, 10) of a table."""
+    times = times_of(str(path), columns, table)
+    lacking = [name for name in INPUTS if name not in columns]
+    if lacking:
+        raise ParameterError(f"{path}: has no column {lacking[0]}. Give --scene for the top's motion.")
+    return times, table[:, [columns.index(name) for name in INPUTS]]
+
+
+def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
+    """The motion between the rows of a run: quintics through position, velocity and acceleration, the winch's speed linear."""
+    from scipy.interpolate import BPoly
+
+    path = BPoly.from_derivatives(times, inputs[:, :9].reshape(-1, 3, 3))
+    rates = path.derivative(1), path.derivative(2)
+
+    def motion(time: float, side: int = 1) -> np.ndarray:
+        return np.concatenate([path(time), rates[0](time), rates[1](time), [np.interp(time, times, inputs[:, 9])]])
+
+    return motion

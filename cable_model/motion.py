@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bisect
 import math
 from collections.abc import Callable
 
@@ -11,12 +12,20 @@ from scipy.interpolate import CubicSpline
 from cable_model.errors import refuse
 from cable_model.parameters import Motion, Top, Winch
 
-TopMotion = Callable[..., np.ndarray]  # (time, side=+1) -> (10,): position, velocity, acceleration, winch speed
+MotionLike = Callable[[float, int], np.ndarray]  # (time, side) -> (10,): position, velocity, acceleration, winch speed
+
+# A quintic through position, velocity and acceleration at both ends of a piece of h differs from x by at most h^6 max|x^(6)|/46080, its
+# acceleration by h^4 max|x^(6)|/1920 [Hermite's remainder x^(6) (t - a)^3 (t - b)^3/720].  For A sin(omega t) the latter is
+# (omega h)^4/1920 of its acceleration; it is kept to 1e-5, and position then to 6e-8 of A.  For a ramp of velocity over a time T,
+# x^(6) = 720 v/T^5, it is 0.2 (h/T)^4 of the largest acceleration; for a fade-in x^(6) reaches 50400/T^6 at its ends, and it is
+# 3.5 (h/T)^4, at T/24 again 1e-5.
+PHASE_OF_A_PIECE = (1920.0 * 1e-5) ** 0.25
+PIECES_OF_A_RAMP = 24
 
 
-def fade_in(t: float, ramp_time: float, ramp: str = "septic") -> tuple[float, float, float]:
+def fade_in(t: float, ramp_time: float, ramp: str = "septic", side: int = 1) -> tuple[float, float, float]:
     """Smooth step from 0 to 1 over ramp_time and its two derivatives; three (cubic: one) derivatives vanish at both ends."""
-    if t >= ramp_time:
+    if t > ramp_time or (t == ramp_time and (side > 0 or ramp_time == 0.0)):
         return 1.0, 0.0, 0.0
     s = t / ramp_time
     if ramp == "cubic":
@@ -26,12 +35,12 @@ def fade_in(t: float, ramp_time: float, ramp: str = "septic") -> tuple[float, fl
     return value, rate, 420.0 * s**2 * (1.0 - s) ** 2 * (1.0 - 2.0 * s) / ramp_time**2
 
 
-def _sinusoid(part: Motion, t: float) -> tuple[float, float, float]:
+def _sinusoid(part: Motion, t: float, side: int) -> tuple[float, float, float]:
     omega = part.angular_frequency
     x = part.amplitude * math.sin(omega * t + part.phase)
     v = part.amplitude * omega * math.cos(omega * t + part.phase)
     a = -omega * omega * x
-    r, r1, r2 = fade_in(t, part.ramp_time, part.ramp)
+    r, r1, r2 = fade_in(t, part.ramp_time, part.ramp, side)
     return r * x, r1 * x + r * v, r2 * x + 2.0 * r1 * v + r * a
 
 
@@ -52,41 +61,92 @@ def _part(part: Motion, t: float, side: int) -> tuple[float, float, float]:
     if part.stop > 0.0 and (t > part.stop or (t == part.stop and side > 0)):
         return _part(part, part.stop, -1)[0], 0.0, 0.0
     if part.kind == "sinusoid":
-        return _sinusoid(part, local)
+        return _sinusoid(part, local, side)
     if part.duration > 0.0:
         return _ramp(part, local)
     return part.velocity * local, part.velocity, 0.0
 
 
-def top_motion(top: Top, winch: Winch | None = None) -> TopMotion:
-    """The motion that a scene's [top] and [winch] describe.
+def _turning(part: Motion) -> float:
+    """Time from its start in which a part fades in or changes its velocity."""
+    return part.ramp_time if part.kind == "sinusoid" else part.duration if part.kind == "ramp" else 0.0
 
-    The returned function gives position, velocity, acceleration and the winch's speed, (10,), at a time; where the
-    motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
-    """
-    position = np.array(top.position)
-    splines = None
-    speeds = np.array(winch.speeds) if winch is not None and winch.speeds else None
-    if top.table:
-        rows = np.array(top.table)
-        if len(rows) < 4 or not np.all(np.diff(rows[:, 0]) > 0.0):
-            raise refuse("top.table", len(rows), "rows", "at least 4 rows of rising time", "Sort the rows by time.")
-        splines = [CubicSpline(rows[:, 0], rows[:, 1:]).derivative(k) if k else CubicSpline(rows[:, 0], rows[:, 1:]) for k in range(3)]
 
-    def motion(t: float, side: int = 1) -> np.ndarray:
+class TopMotion:
+    """The motion that a scene's [top] and [winch] describe, and the times at which something happens to it."""
+
+    def __init__(self, top: Top, winch: Winch | None = None) -> None:
+        self._top = top
+        self._position = np.array(top.position)
+        self._speeds = np.array(winch.speeds) if winch is not None and winch.speeds else None
+        self._splines = _splines(top)
+        self._events = self._all_events()
+
+    def _all_events(self) -> list[float]:
+        """Starts, stops and ends of ramps, and the rows of tables: between two of them position is smooth and winch speed linear."""
+        found = {row[0] for row in self._top.table}
+        if self._speeds is not None:
+            found.update(self._speeds[:, 0].tolist())
+        for part in self._top.motion:
+            of_part = {part.start, part.start + _turning(part)}
+            found.update(time for time in of_part if part.stop == 0.0 or time < part.stop)
+            if part.stop > 0.0:
+                found.add(part.stop)
+        return sorted(found)
+
+    def events_within(self, start: float, end: float) -> list[float]:
+        """Events between two times, without those at them."""
+        return self._events[bisect.bisect_right(self._events, start) : bisect.bisect_left(self._events, end)]
+
+    def event_near(self, time: float, near: float) -> float:
+        """The event within `near` of a time, or that time."""
+        return next(iter(self.events_within(time - near, time + near)), time)
+
+    def longest_piece(self, time: float) -> float:
+        """Time over which a quintic follows the motion about `time`, s; infinite for steady motion and between rows of a table."""
+        found = math.inf
+        for part in self._top.motion:
+            if time < part.start or (part.stop > 0.0 and time > part.stop):
+                continue
+            if part.kind == "sinusoid" and part.angular_frequency > 0.0 and part.amplitude != 0.0:
+                found = min(found, PHASE_OF_A_PIECE / part.angular_frequency)
+            if time < part.start + _turning(part):
+                found = min(found, _turning(part) / PIECES_OF_A_RAMP)
+        return found
+
+    def __call__(self, t: float, side: int = 1) -> np.ndarray:
+        """Position, velocity, acceleration and the winch's speed, (10,), at a time.
+
+        Where the motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
+        """
         state = np.zeros(10)
-        state[:3] = position
-        for part in top.motion:
+        state[:3] = self._position
+        for part in self._top.motion:
             k = "xyz".index(part.axis)
             for derivative, value in enumerate(_part(part, t, side)):
                 state[3 * derivative + k] += value
-        if splines is not None:
-            inside = min(max(t, top.table[0][0]), top.table[-1][0])
-            for derivative, spline in enumerate(splines):
-                if derivative == 0 or inside == t:
-                    state[3 * derivative : 3 * derivative + 3] += spline(inside)
-        if speeds is not None:
-            state[9] = np.interp(t, speeds[:, 0], speeds[:, 1])
+        if self._splines:
+            first, last = self._top.table[0][0], self._top.table[-1][0]
+            at = min(max(t, first), last)
+            moving = at == t and not (t == first and side < 0) and not (t == last and side > 0)
+            for derivative, spline in enumerate(self._splines[: 3 if moving else 1]):
+                state[3 * derivative : 3 * derivative + 3] += spline(at)
+        if self._speeds is not None:
+            state[9] = np.interp(t, self._speeds[:, 0], self._speeds[:, 1])
         return state
 
-    return motion
+
+def _splines(top: Top) -> list[CubicSpline]:
+    """Position, velocity and acceleration of the table over time; none without a table."""
+    if not top.table:
+        return []
+    rows = np.array(top.table)
+    if len(rows) < 4 or not np.all(np.diff(rows[:, 0]) > 0.0):
+        raise refuse("top.table", len(rows), "rows", "at least 4 rows of rising time", "Sort the rows by time.")
+    spline = CubicSpline(rows[:, 0], rows[:, 1:])
+    return [spline, spline.derivative(1), spline.derivative(2)]
+
+
+def top_motion(top: Top, winch: Winch | None = None) -> TopMotion:
+    """The motion that a scene's [top] and [winch] describe."""
+    return TopMotion(top, winch)

@@ -11,10 +11,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from cable_model.errors import ParameterError, writing
 from cable_model.simulation import Result
 
 COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
 STYLES = ("-", "--", "-.", ":")
+
+
+def check_kind(path: Path) -> None:
+    """Refuse a file that no picture can be written to."""
+    kinds = FigureCanvasAgg.filetypes
+    if path.is_dir() or path.suffix.removeprefix(".").lower() not in kinds:
+        raise ParameterError(f"{path}: no name of a picture file. Give one that ends in one of .{', .'.join(sorted(kinds))}.")
 
 
 def picture(results: dict[str, Result], title: str, path: Path) -> None:
@@ -30,10 +38,11 @@ def picture(results: dict[str, Result], title: str, path: Path) -> None:
         axes["path"].plot(run["body.x"], run["body.z"], **line)
     _shapes(axes["shape"], results)
     _label(axes)
-    figure.suptitle(title)
+    figure.suptitle(title, parse_math=False)
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=110)
+    with writing(path):
+        figure.savefig(path, dpi=110)
 
 
 def _shapes(axis: Axes, results: dict[str, Result]) -> None:

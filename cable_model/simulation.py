@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
-from cable_model.errors import SolverError
+from cable_model.driving import follow, output_steps
+from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.model import Model
-from cable_model.motion import TopMotion, top_motion
+from cable_model.motion import MotionLike, top_motion
 from cable_model.signals import INPUTS, OUTPUTS
 
 
@@ -38,29 +40,78 @@ COLUMNS = ("time", *INPUTS, *OUTPUTS)
 
 
 def write_csv(path: Path, columns: tuple[str, ...], table: np.ndarray) -> None:
-    """Write a table with a header line; 12 significant digits."""
-    np.savetxt(path, table, fmt="%.12g", delimiter=",", header=",".join(columns), comments="")
+    """Write a table with a header line, in digits from which the same numbers are read."""
+    lines = [",".join(columns), *map(csv_row, table)]
+    with writing(path):
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def csv_row(row: np.ndarray) -> str:
+    """The shortest digits that read back as the same numbers, with commas between them."""
+    return ",".join(repr(number).removesuffix(".0") for number in row.tolist())
+
+
+class CsvRows:
+    """Writes rows of a run as they come.  The file is not touched before the first: a run that cannot begin leaves what was there."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._file: TextIO | None = None
+
+    def __call__(self, row: np.ndarray) -> None:
+        with writing(self._path):
+            if self._file is None:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = self._path.open("w", encoding="utf-8")
+                self._file.write(",".join(COLUMNS) + "\n")
+            self._file.write(csv_row(row) + "\n")
+
+    def __enter__(self) -> CsvRows:
+        return self
+
+    def __exit__(self, *why: object) -> None:
+        if self._file is not None:
+            with writing(self._path):
+                self._file.close()
 
 
 def read_csv(path: Path) -> tuple[tuple[str, ...], np.ndarray]:
-    """Columns and numbers of a CSV file with a header line."""
-    with path.open(encoding="utf-8") as file:
-        columns = tuple(name.strip() for name in file.readline().split(","))
-        return columns, np.loadtxt(file, delimiter=",", ndmin=2)
+    """Columns and numbers of a CSV file with a header line; ParameterError names the line that is none."""
+    if not path.is_file():
+        raise ParameterError(f"{path}: no such file. Write it with `python -m cable_model run`.")
+    try:
+        header, *lines = path.read_text(encoding="utf-8").splitlines()
+    except ValueError as error:  # an empty file, or no text
+        raise ParameterError(f"{path}: no CSV file with a header line. Write it with `python -m cable_model run`.") from error
+    columns = tuple(name.strip() for name in header.split(","))
+    if len(set(columns)) < len(columns):
+        raise ParameterError(f"{path}, line 1: two columns have one name. Give each column a name of its own.")
+    rows = []
+    for k, line in enumerate(lines, start=2):
+        if not line.strip():
+            continue
+        try:
+            rows.append([float(text) for text in line.split(",")])
+        except ValueError as error:
+            raise ParameterError(f"{path}, line {k}: {error}. Mend the line, or write the file again.") from error
+        if len(rows[-1]) != len(columns):
+            raise ParameterError(f"{path}, line {k}: {len(rows[-1])} numbers under {len(columns)} names. Mend it, or write the file again.")
+    return columns, np.array(rows).reshape(-1, len(columns))
 
 
 def simulate(
     model: Model,
     duration: float | None = None,
     output_step: float | None = None,
-    motion: TopMotion | None = None,
+    motion: MotionLike | None = None,
     progress: Callable[[float], None] | None = None,
     keep: Callable[[np.ndarray], None] | None = None,
 ) -> Result:
-    """Run a model over its scene's duration and return the series at its output step.
+    """Run a model over its scene's duration and return the series at its output step, and at the end where that is no output time.
 
-    `motion` replaces the scene's top motion; `progress` is told the time after every step, `keep` every row as soon as it is
-    there, so that a failed run keeps what came before.  Raises RunStopped, which has the rows so far.
+    The top's motion is followed between outputs too (driving.pieces).  `motion` replaces the scene's; `progress` is told the time after
+    every step, `keep` every row as soon as it is there, so that a failed run keeps what came before.  Raises RunStopped, which has the
+    rows so far.
     """
     scene = model.scene
     duration = scene.run.duration if duration is None else duration
@@ -80,13 +131,11 @@ def simulate(
     model.initialize(start)
     record(0.0, start)
     try:
-        for k in range(round(duration / step)):
-            time = k * step
-            end_time = (k + 1) * step
-            model.advance(time, step, motion(time, 1), motion(end_time, -1))
-            record(end_time, motion(end_time, 1))
+        for output in output_steps(duration, step):
+            follow(model.advance, motion, output, scene.solver.time_step)
+            record(output.end, motion(output.end, 1))
             if progress is not None:
-                progress(end_time)
+                progress(output.end)
     except SolverError as error:
         raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes))) from error
     return Result(COLUMNS, np.array(rows), np.array(shapes))

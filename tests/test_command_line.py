@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from cable_model.cli import app
-from cable_model.comparison import compare
+from cable_model.comparison import compare, remarks
 from cable_model.errors import ParameterError
 from cable_model.simulation import read_csv, write_csv
 
@@ -59,11 +59,50 @@ def test_a_result_that_ends_too_early_is_refused():
         compare(COLUMNS, table()[:6], COLUMNS, table(), 0.0, 0.0)
 
 
+def test_a_table_of_one_row_is_compared_with_nothing():
+    for a, b, name in ((table(), table()[:1], "reference"), (table()[:1], table(), "result")):
+        with pytest.raises(ParameterError, match=rf"^the {name} has 1 row: must be at least 2\. Simulate longer\.$"):
+            compare(COLUMNS, a, COLUMNS, b, 1.0, 1.0)
+
+
+def test_times_that_do_not_rise_are_refused():
+    back = table()
+    back[4, 0] = back[3, 0]
+    with pytest.raises(ParameterError, match=r"^the reference has times that do not rise, in row 5\. Write it again\.$"):
+        compare(COLUMNS, table(), COLUMNS, back, 1.0, 1.0)
+
+
+def test_a_result_that_goes_on_after_the_reference_differs_in_time():
+    found = {d.signal: d for d in compare(COLUMNS, table(), COLUMNS, table()[:6], 1e-6, 1e-9)}
+    assert found["a"].passed and not found["time"].passed
+    assert found["time"].largest == pytest.approx(0.5) and found["time"].share_of_range == pytest.approx(1.0)
+
+
+def test_other_times_and_lone_signals_are_told():
+    assert remarks(COLUMNS, table(), COLUMNS, table()) == []
+    words = "other times than the reference's (11 rows from 0 to 1 s against 6 rows from 0 to 1 s): compared at the reference's"
+    assert remarks(COLUMNS, table(), COLUMNS, table()[::2]) == [words]
+    turned = words.replace("11 rows", "x").replace("6 rows", "11 rows").replace("x", "6 rows")
+    assert remarks(COLUMNS, table()[::2], COLUMNS, table()) == [turned + ", by straight lines between the result's"]
+    lone = remarks(("time", "a", "c", "solver.steps"), table(), COLUMNS, table())
+    assert lone == ["only the reference has b: not compared", "only the result has c: not compared"]
+
+
+def test_differences_are_told_in_per_cent_of_the_range(tmp_path):
+    other = table()
+    other[7, 1] += 0.01 * np.ptp(table()[:, 1])
+    write_csv(tmp_path / "a.csv", COLUMNS, other)
+    write_csv(tmp_path / "b.csv", COLUMNS, table())
+    shown = CliRunner().invoke(app, ["compare", str(tmp_path / "a.csv"), str(tmp_path / "b.csv")])
+    assert shown.exit_code == 1
+    assert "the most: a by 1 % of its range, at 0.7 s" in shown.output
+
+
 def test_csv_files_come_back_as_written(tmp_path):
     write_csv(tmp_path / "a.csv", COLUMNS, table())
     columns, numbers = read_csv(tmp_path / "a.csv")
     assert columns == COLUMNS
-    assert numbers == pytest.approx(table(), rel=1e-11)
+    assert np.array_equal(numbers, table())  # to the last bit
 
 
 def test_run_writes_csv_and_a_table_and_compare_accepts_it(scene, tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from cable_model.cable_chain import CableChain
+from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.hard.ledger import Ledger
 from cable_model.kernels import header
@@ -94,8 +95,8 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     model = CableChain(scene)
     watcher = _Watch(model, motion)
     weight = Ledger(model).weight
-    count = round(duration / step)
-    moments = set(np.linspace(0, count, SHAPES).astype(int))
+    outputs = output_steps(duration, step)
+    moments = set(np.linspace(0, len(outputs), SHAPES).astype(int))
     rows, shapes, times, substeps = [], [], [0.0], [0.0]
     error = ""
     begun = clock.process_time()
@@ -104,11 +105,11 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
         rows.append(model.outputs.copy())
         if watch:
             watcher.read(0.0)
-        for k in range(count):
+        for k, output in enumerate(outputs):
             before = model.state[header.STEPS]
-            model.advance(k * step, step, motion(k * step, 1), motion((k + 1) * step, -1))
+            follow(model.advance, motion, output, scene.solver.time_step)
             rows.append(model.outputs.copy())
-            times.append((k + 1) * step)
+            times.append(output.end)
             substeps.append(model.state[header.STEPS] - before)
             if watch:
                 watcher.read(times[-1])

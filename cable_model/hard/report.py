@@ -12,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
+from cable_model.errors import writing
 from cable_model.hard import basin
 from cable_model.hard.rules import Finding
 from cable_model.hard.runner import Verdict
@@ -48,7 +49,8 @@ def write(folder: Path, verdicts: Sequence[Verdict], further: Mapping[str, Seque
     """Table (README.md and table.csv) and pictures of all verdicts into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     rows = [row(verdict) for verdict in verdicts]
-    with (folder / "table.csv").open("w", encoding="utf-8", newline="") as file:
+    table = folder / "table.csv"
+    with writing(table), table.open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([HEAD, *rows])
     keys = list(dict.fromkeys(verdict.case.key for verdict in verdicts))
     text = ["# The hard cases", ""]

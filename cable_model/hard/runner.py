@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 
 from cable_model.hard import rules
@@ -14,6 +14,7 @@ from cable_model.hard.checks import CHECKS
 from cable_model.hard.record import Record, record
 from cable_model.hard.rules import Finding
 from cable_model.scene import Scene, load, with_values
+from cable_model.workers import pool
 
 
 @dataclass(frozen=True)
@@ -86,8 +87,8 @@ def chosen(keys: Sequence[str]) -> list[Case]:
 
 def run_all(cases: Sequence[Case], jobs: int) -> Iterator[Verdict]:
     """Verdicts of all variants in the order in which they are ready."""
-    with ProcessPoolExecutor(max_workers=jobs) as pool:
-        waiting = [pool.submit(judge, case, variant) for case in cases for variant in case.variants]
+    with pool(jobs) as workers:
+        waiting = [workers.submit(judge, case, variant) for case in cases for variant in case.variants]
         for future in as_completed(waiting):
             yield future.result()
 

@@ -127,17 +127,18 @@ def drive(
     place[0] = lower - at[:3]
     reached, seconds, error = 0, 0.0, ""
     for k in range(count):
-        tops = [motion((k + j / calls) * every, 1)[:9] for j in range(calls + 1)]
+        times = [(k + j / calls) * every for j in range(calls + 1)]  # equal: CableDyn takes whole numbers of its steps only
+        tops = [(motion(a, 1)[:9], motion(b, -1)[:9]) for a, b in itertools.pairwise(times)]
         begun = clock.process_time()
         try:
-            for j, (start, end) in enumerate(itertools.pairwise(tops)):
+            for j, (start, end) in enumerate(tops):
                 move(k * every + j * h, h, start, end)
         except RuntimeError as failure:
             error = f"{failure} (at {k * every:.4g} s)"
             break
         seconds += clock.process_time() - begun
         tension[k + 1], lower = read()
-        place[k + 1] = lower - tops[-1][:3]
+        place[k + 1] = lower - tops[-1][1][:3]
         if not np.isfinite(tension[k + 1]) or not np.isfinite(place[k + 1]).all():
             error = f"not finite at {k * every:.4g} s"
             break

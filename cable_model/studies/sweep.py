@@ -9,18 +9,20 @@ import json
 import os
 import tomllib
 from collections.abc import Callable, Collection, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from cable_model.errors import ParameterError, SolverError
+from cable_model.errors import ParameterError, SolverError, reading, writing
+from cable_model.kernel_cache import mended
 from cable_model.kernels.jit import source_hash
 from cable_model.models import MODELS
 from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.simulation import simulate, write_csv
+from cable_model.workers import pool
 
 MEASURES = (
     "top.tension mean",
@@ -49,8 +51,9 @@ def read(path: Path) -> tuple[Scene, dict[str, list[Any]]]:
     if not path.is_file():
         raise ParameterError(f"{path}: no such file. Write one with `scene = ...` and a table [vary].")
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+        with reading(path):
+            table = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterError(f"{path}: not a valid TOML file ({error}). Mend the line that is named.") from error
     if set(table) != {"scene", "vary"} or not isinstance(table["vary"], dict):
         raise ParameterError(f"{path}: must have `scene` and [vary], nothing else. Found: {', '.join(table) or 'nothing'}.")
@@ -63,7 +66,8 @@ def read(path: Path) -> tuple[Scene, dict[str, list[Any]]]:
 def jobs(scene: Scene, lists: dict[str, list[Any]]) -> list[Job]:
     """Every combination; a value that breaks a rule is refused here, before anything runs.
 
-    The key of a job tells its scene and the code: what another version has left is not taken for its result.
+    The key of a job tells its scene and the code: what another version has left is not taken for its result.  Two jobs of one key
+    would write one file.
     """
     for name, given in lists.items():
         if not given:
@@ -71,9 +75,15 @@ def jobs(scene: Scene, lists: dict[str, list[Any]]) -> list[Job]:
     found = []
     for combination in itertools.product(*lists.values()):
         values = dict(zip(lists, combination, strict=True))
-        changed = with_values(scene, values)
+        with reading("vary"):
+            changed = with_values(scene, values)
         key = hashlib.sha256(f"{metadata.version('cable-fmu')} {source_hash()}\n{to_toml(changed)}".encode()).hexdigest()[:12]
         found.append(Job(key, changed, values))
+    keys = [job.key for job in found]
+    for k, key in enumerate(keys):
+        if key in keys[:k]:
+            told = ", ".join(f"{name} = {value!r}" for name, value in found[k].values.items())
+            raise ParameterError(f"vary: {told}: must be there once only. Remove the repetition.")
     return found
 
 
@@ -95,13 +105,29 @@ def perform(job: Job, folder: str) -> dict[str, Any]:
             name, statistic = measure.split()
             summary[measure] = float(getattr(result[name], statistic)())
     partial = target / f"{job.key}.{os.getpid()}.part"
-    partial.write_text(json.dumps(summary), encoding="utf-8")
+    with writing(partial):
+        partial.write_text(json.dumps(summary), encoding="utf-8")
     partial.replace(target / f"{job.key}.json")
     return summary
 
 
+def _read_summary(job: Job, folder: Path) -> dict[str, Any] | None:
+    """The summary of a run; None where it is not there, or damaged."""
+    try:
+        summary = json.loads((folder / f"{job.key}.json").read_text(encoding="utf-8"))
+    except (FileNotFoundError, ValueError):
+        return None
+    return summary if isinstance(summary, dict) and summary.get("key") == job.key else None
+
+
 def missing(wanted: Sequence[Job], folder: Path) -> list[Job]:
-    return [job for job in wanted if not (folder / f"{job.key}.json").is_file()]
+    """Runs without a summary that can be read."""
+    return [job for job in wanted if _read_summary(job, folder) is None]
+
+
+def damaged(wanted: Sequence[Job], folder: Path) -> list[Path]:
+    """Summaries that are there and cannot be read; their runs are missing."""
+    return [path for job in missing(wanted, folder) if (path := folder / f"{job.key}.json").is_file()]
 
 
 def run(
@@ -114,12 +140,15 @@ def run(
     """
     folder.mkdir(parents=True, exist_ok=True)
 
+    for path in damaged(wanted, folder):
+        path.unlink()
+    left = missing(wanted, folder)
+
     def told() -> None:
         if progress is not None:
-            progress(len(wanted) - len(missing(wanted, folder)))
+            progress(sum((folder / f"{job.key}.json").is_file() for job in wanted))
 
     told()
-    left = missing(wanted, folder)
     died = _over_cluster(left, folder, scheduler, told) if scheduler else _over_cores(left, folder, workers, told)
     return [_summary(job, folder, died) for job in wanted]
 
@@ -127,7 +156,10 @@ def run(
 def _summary(job: Job, folder: Path, died: Collection[str]) -> dict[str, Any]:
     if job.key in died:
         return {"key": job.key, **job.values, "error": f"its worker died {ATTEMPTS} times: out of memory?"}
-    return json.loads((folder / f"{job.key}.json").read_text(encoding="utf-8"))
+    summary = _read_summary(job, folder)
+    if summary is None:
+        raise ParameterError(f"{folder / job.key}.json: gone or damaged since its run ended. Call the sweep again.")
+    return summary
 
 
 def _begun(job: Job, folder: Path) -> Path:
@@ -138,7 +170,8 @@ def _begun(job: Job, folder: Path) -> Path:
 def _attempt(job: Job, folder: str) -> None:
     mark = _begun(job, Path(folder))
     mark.touch()
-    perform(job, folder)
+    with mended():
+        perform(job, folder)
     mark.unlink()
 
 
@@ -147,8 +180,8 @@ def _pool(left: Sequence[Job], folder: Path, workers: int, told: Callable[[], No
     for job in left:
         _begun(job, folder).unlink(missing_ok=True)
     try:
-        with ProcessPoolExecutor(max_workers=workers) as pool:
-            for future in as_completed([pool.submit(_attempt, job, str(folder)) for job in left]):
+        with pool(workers) as processes:
+            for future in as_completed([processes.submit(_attempt, job, str(folder)) for job in left]):
                 future.result()
                 told()
     except BrokenProcessPool:
@@ -197,7 +230,7 @@ def _over_cluster(left: Sequence[Job], folder: Path, scheduler: str, told: Calla
 
 def write_table(path: Path, summaries: Sequence[dict[str, Any]]) -> None:
     """All summaries as one CSV, a row a run."""
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with writing(path), path.open("w", encoding="utf-8", newline="") as file:
         columns = list(dict.fromkeys(name for summary in summaries for name in summary))
         rows = csv.DictWriter(file, columns, lineterminator="\n")
         rows.writeheader()

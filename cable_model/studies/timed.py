@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cable_model.driving import output_steps, pieces
 from cable_model.errors import ParameterError, SolverError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
@@ -75,35 +76,37 @@ def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1, lo
         model = MODELS[model_name](scene)
     except ParameterError as refused:
         return Timed(np.zeros(0), np.zeros(0), np.zeros((0, 3)), 0.0, str(refused))
-    step = scene.run.output_step
-    count = max(1, math.floor(scene.run.duration / step + 1e-9))
     motion = top_motion(scene.top, scene.winch)
-    tops = [(motion(k * step, 1), motion((k + 1) * step, -1)) for k in range(count)]
-    rows = np.zeros((count + 1, len(model.outputs)))
+    outputs = output_steps(scene.run.duration, scene.run.output_step)
+    tops = [list(pieces(motion, output, scene.solver.time_step)) for output in outputs]
+    start = tops[0][0].first
+    rows = np.zeros((len(outputs) + 1, len(model.outputs)))
     best, reached, error = math.inf, 0, ""
     for repetition in range(repetitions + 1):
         try:
             if repetition == 0:  # compiles
-                model.initialize(tops[0][0])
-                model.advance(0.0, step, *tops[0])
+                model.initialize(start)
+                model.advance(*tops[0][0])
                 continue
-            model.initialize(tops[0][0])
+            model.initialize(start)
             rows[0] = model.outputs
             reached = 0
             begun = clock.process_time()
-            for k, (start, end) in enumerate(tops):
-                model.advance(k * step, step, start, end)
+            for k, top in enumerate(tops):
+                for piece in top:
+                    model.advance(*piece)
                 rows[k + 1] = model.outputs
                 reached = k + 1
                 if clock.process_time() - begun > longest:
-                    raise SolverError(f"given up at {reached * step:.3g} s of simulated time: it takes more than {longest:.3g} s")
+                    raise SolverError(f"given up at {outputs[k].end:.3g} s of simulated time: it takes more than {longest:.3g} s")
             best = min(best, clock.process_time() - begun)
         except (SolverError, ParameterError) as failure:
             error = str(failure)
             break
     kept = slice(0, reached + 1)
-    at_top = np.array([tops[0][0][:3], *(end[:3] for _, end in tops)])
-    return Timed(step * np.arange(count + 1)[kept], rows[kept, 3], rows[kept, 5:8] - at_top[kept], best, error)
+    at_top = np.array([start[:3], *(top[-1].last[:3] for top in tops)])
+    times = np.array([0.0, *(output.end for output in outputs)])
+    return Timed(times[kept], rows[kept, 3], rows[kept, 5:8] - at_top[kept], best, error)
 
 
 def errors(run: Timed, reference: Timed, scale: Scale) -> dict[str, float]:
@@ -115,7 +118,7 @@ def errors(run: Timed, reference: Timed, scale: Scale) -> dict[str, float]:
         or run.times[-1] < reference.times[-1] - (run.times[1] - run.times[0]) * (1.0 + 1e-9)
     ):
         return dict.fromkeys(SIGNALS, math.inf)
-    rows = np.rint(run.times / (reference.times[1] - reference.times[0])).astype(int)
+    rows = np.searchsorted(reference.times, run.times - 0.5 * (reference.times[1] - reference.times[0]))
     tension = math.sqrt(float(np.mean((run.tension - reference.tension[rows]) ** 2)))
     apart = math.sqrt(float(np.mean(np.sum((run.position - reference.position[rows]) ** 2, axis=1))))
     found = {"tension": tension / scale.tension, "position": apart / scale.position}

@@ -13,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
+from cable_model.errors import writing
 from cable_model.machine import machine
 from cable_model.scene import Scene, with_values
 from cable_model.studies import settings
@@ -83,7 +84,7 @@ def front(points: Sequence[Point], signal: str) -> list[Point]:
 
 def write_csv(path: Path, scene: Scene, reference: Reference, points: Sequence[Point]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with writing(path), path.open("w", encoding="utf-8", newline="") as file:
         file.write(f"# {scene.title}; {machine()}\n")
         own = ", ".join(f"{name} {reference.own_error[name]:.1e}" for name in SIGNALS)
         finest = reference.levels[-1].setting.label

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from cable_model.cable_chain import CableChain
+from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.motion import top_motion
 from cable_model.scene import Scene
@@ -18,16 +19,17 @@ STEPS = OUTPUTS.index("solver.steps")
 
 def run(scene: Scene, most_steps: float = math.inf) -> tuple[Timed, np.ndarray]:
     """Series at every output step, and the last outputs; its `error` says why it ended early, if it did."""
-    model, motion, step = CableChain(scene), top_motion(scene.top, scene.winch), scene.run.output_step
-    count = round(scene.run.duration / step)
-    rows = np.zeros((count + 1, len(OUTPUTS)))
-    tops = np.array([motion(k * step)[:3] for k in range(count + 1)])
+    model, motion = CableChain(scene), top_motion(scene.top, scene.winch)
+    outputs = output_steps(scene.run.duration, scene.run.output_step)
+    times = np.array([0.0, *(output.end for output in outputs)])
+    rows = np.zeros((len(times), len(OUTPUTS)))
+    tops = np.array([motion(time)[:3] for time in times])
     why, reached = "", 0
     model.initialize(motion(0.0))
     rows[0] = model.outputs
-    for k in range(count):
+    for k, output in enumerate(outputs):
         try:
-            model.advance(k * step, step, motion(k * step), motion((k + 1) * step, -1))
+            follow(model.advance, motion, output, scene.solver.time_step)
         except SolverError as failure:
             why = str(failure)
             break
@@ -37,4 +39,4 @@ def run(scene: Scene, most_steps: float = math.inf) -> tuple[Timed, np.ndarray]:
             why = f"more than {most_steps:g} steps"
             break
     kept = slice(0, reached + 1)
-    return Timed(step * np.arange(count + 1)[kept], rows[kept, 3], (rows[:, 5:8] - tops)[kept], 0.0, why), rows[reached]
+    return Timed(times[kept], rows[kept, 3], (rows[:, 5:8] - tops)[kept], 0.0, why), rows[reached]

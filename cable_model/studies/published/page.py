@@ -13,6 +13,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from cable_model.errors import writing
+
 HEAD = """# Published figures and tables, computed anew
 
 Written by `python -m cable_model published -o docs/published`.  Every number in the captions is taken from the computed data;
@@ -57,7 +59,8 @@ def write(folder: Path, page: Page, order: Sequence[str]) -> None:
     page.figure.tight_layout()
     page.figure.savefig(folder / f"{page.name}.png", dpi=72)
     plt.close(page.figure)
-    with (folder / f"{page.name}.csv").open("w", encoding="utf-8", newline="") as file:
+    table = folder / f"{page.name}.csv"
+    with writing(table), table.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(page.head)
         rows.writerows([number(v) for v in row] for row in page.rows)
