@@ -109,7 +109,7 @@ class Waves:
     significant_height: float = quantity("m", "significant wave height of the spectrum", default=0.0, least=0.0)
     peak_period: float = quantity("s", "period of the spectrum's peak", default=10.0, above=0.0)
     peakedness: float = quantity("1", "peakedness gamma of the JONSWAP spectrum", default=3.3, least=1.0, most=10.0)
-    components: int = quantity("1", "number of components of the spectrum, of equal energy", default=60, least=1, most=10000)
+    components: int = quantity("1", "number of components of the spectrum", default=60, least=1, most=10000)
     seed: int = quantity("1", "seed of the components' phases", default=1, least=0, most=2147483646)
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
