@@ -110,7 +110,11 @@ class Waves:
     peak_period: float = quantity("s", "period of the spectrum's peak", default=10.0, above=0.0)
     peakedness: float = quantity("1", "peakedness gamma of the JONSWAP spectrum", default=3.3, least=1.0, most=10.0)
     components: int = quantity("1", "number of components of the spectrum", default=60, least=1, most=10000)
-    seed: int = quantity("1", "seed of the components' phases", default=1, least=0, most=2147483646)
+    seed: int = quantity("1", "seed of the components' phases and of their directions' order", default=1, least=0, most=2147483646)
+    spreading_exponent: float = quantity(
+        "1", "exponent n of the sea's spreading, energy as cos^n of the angle from waves.direction, n = 2s (0 = long-crested)",
+        default=0.0, least=0.0, most=1000.0,
+    )  # fmt: skip
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
     )

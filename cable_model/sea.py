@@ -12,6 +12,7 @@ from cable_model.parameters import Waves
 PERIODS = np.linspace(0.0, 2.4, 2401)  # over the peak's: on longer waves the spectra have 1e-18 of their energy
 GAUSS = np.polynomial.legendre.leggauss(4)
 LOWER = 0.75  # share of the lower wave in the energy of the last band
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 DEEP = 40.0  # k depth beyond which water is deep
 
 
@@ -87,12 +88,32 @@ def _energies(waves: Waves) -> tuple[np.ndarray, np.ndarray]:
     return m0 * (waves.significant_height**2 / 16.0 / np.sum(m0)), frequencies
 
 
+def _directions(waves: Waves, energies: np.ndarray, start: float) -> np.ndarray:
+    """Direction of each component (k,), rad: energy spreads as cos^n(theta - theta_0), at most a right angle from the main theta_0.
+
+    This is cos^2s with 2s = n, as offshore codes have it [OrcaFlex, data for random waves; DeepLines theory, wave directional spreading],
+    not the cos^2s of half the angle, to which n = (s - 1)/2 comes near.  Each component gets the middle of its own share of the
+    distribution.  Which share it gets goes by the golden section from one frequency to the next, from `start` (0..1): so the waves of any
+    part of the spectrum spread alike, which a random order leaves to chance.
+    """
+    if waves.spreading_exponent == 0.0:
+        return np.full(len(energies), waves.direction)
+    order = np.argsort((start + GOLDEN * np.arange(len(energies))) % 1.0)
+    ordered = energies[order]
+    angles = np.linspace(-0.5 * math.pi, 0.5 * math.pi, 20001)
+    below = np.concatenate(([0.0], np.cumsum(np.cos(0.5 * (angles[1:] + angles[:-1])) ** waves.spreading_exponent)))
+    middles = (np.cumsum(ordered) - 0.5 * ordered) / np.sum(energies)
+    directions = np.empty(len(energies))
+    directions[order] = waves.direction + np.interp(middles * below[-1], below, angles)
+    return directions
+
+
 def _from_spectrum(waves: Waves) -> np.ndarray:
     """Rows of amplitude, angular frequency, direction, phase."""
     random = np.random.default_rng(waves.seed)
     energies, frequencies = _energies(waves)
     phases = random.uniform(0.0, 2.0 * math.pi, waves.components)
-    return np.column_stack((np.sqrt(2.0 * energies), frequencies, np.full(waves.components, waves.direction), phases))
+    return np.column_stack((np.sqrt(2.0 * energies), frequencies, _directions(waves, energies, random.uniform()), phases))
 
 
 def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
@@ -122,6 +143,19 @@ def check_waves(waves: Waves, wet: bool) -> None:
         raise refuse("waves", sum(kinds), "kinds", "one of amplitude, spectrum and table", "Keep one of them.")
     if spectral and waves.significant_height == 0.0:
         raise refuse("waves.significant_height", 0.0, "m", "> 0 with a spectrum", "Give the significant wave height.")
+    if waves.spreading_exponent > 0.0 and not spectral:
+        remedy = "Give waves.spectrum, or remove the exponent."
+        raise refuse("waves.spreading_exponent", waves.spreading_exponent, "", "0 without a spectrum", remedy)
+    if 0.0 < waves.spreading_exponent < 1.0:
+        remedy = "Take 2, as is usual, or 0."
+        raise refuse("waves.spreading_exponent", waves.spreading_exponent, "", "0 (long-crested) or >= 1", remedy)
     for k, row in enumerate(waves.table):
         if not (row[0] >= 0.0 and row[1] > 0.0):
             raise refuse(f"waves.table[{k}]", f"{row[0]:g} m, {row[1]:g} s", "", "an amplitude >= 0 and a period > 0", "Mend the row.")
+
+
+def check_spreading(waves: Waves, space: bool) -> None:
+    """In a vertical plane all waves run along it."""
+    if waves.spreading_exponent > 0.0 and not space:
+        remedy = "Set solver.space = true, or remove the exponent."
+        raise refuse("waves.spreading_exponent", waves.spreading_exponent, "", "0 in the plane", remedy)

@@ -1,4 +1,4 @@
-"""The sea is its spectrum: what the components keep of it, whether they repeat."""
+"""The sea is its spectrum: what the components keep of it, whether they repeat, and how they spread."""
 
 import itertools
 import math
@@ -10,14 +10,17 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from cable_model.kernels.waves import elevation
+from cable_model.errors import ParameterError
+from cable_model.kernels.parts import Parts
+from cable_model.kernels.waves import elevation, wave_motion
 from cable_model.parameters import Waves
-from cable_model.sea import components, spectral_density
+from cable_model.sea import check_spreading, check_waves, components, spectral_density
 
 G = 9.81
 HEIGHT, PERIOD = 3.0, 9.0
 PEAK = 2.0 * math.pi / PERIOD
 SPECTRA = [("pierson-moskowitz", 1.0), ("jonswap", 1.0), ("jonswap", 3.3), ("jonswap", 7.0)]
+SPREAD = {"spectrum": "jonswap", "significant_height": HEIGHT, "peak_period": PERIOD, "direction": 0.4}
 
 
 def table(spectrum: str = "jonswap", peakedness: float = 3.3, count: int = 60, seed: int = 1) -> np.ndarray:
@@ -150,6 +153,55 @@ def test_the_surface_in_time_has_the_significant_height():
     assert 4.0 * np.std(heights) == pytest.approx(HEIGHT, rel=0.03)
 
 
+def spread(exponent: float, count: int = 60, seed: int = 1) -> np.ndarray:
+    return components(Waves(**SPREAD, spreading_exponent=exponent, components=count, seed=seed), G, 0.0)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 7])
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 4.0, 10.0, 500.0])
+def test_directions_have_the_energy_weighted_moments_of_their_distribution(exponent, seed):
+    rows = spread(exponent, 200, seed)
+    off = rows[:, 3] - 0.4
+    half = 0.5 * exponent
+    # of cos^n over a right angle to either side, by the beta function
+    mean = math.exp(2.0 * math.lgamma(1.0 + half) - math.lgamma(0.5 + half) - math.lgamma(1.5 + half))
+    energy = moments(rows)[0]
+    assert np.all(np.abs(off) < 0.5 * math.pi)
+    assert moments(rows, np.cos(off))[0] / energy == pytest.approx(mean, rel=6e-4)
+    assert moments(rows, np.cos(off) ** 2)[0] / energy == pytest.approx((exponent + 1.0) / (exponent + 2.0), rel=6e-4)
+    assert moments(rows, np.sin(off))[0] / energy == pytest.approx(0.0, abs=3e-4)
+    assert moments(rows, np.sin(off) ** 2)[0] / energy == pytest.approx(1.0 / (exponent + 2.0), rel=1e-2)
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_short_waves_and_long_waves_spread_alike(seed):
+    rows = spread(2.0, seed=seed)
+    for part in (rows[:20], rows[20:40], rows[40:]):
+        sine, cosine = np.sin(part[:, 3] - 0.4), np.cos(part[:, 3] - 0.4)
+        energy = moments(part)[0]
+        assert moments(part, cosine**2)[0] / energy == pytest.approx(0.75, abs=0.04)
+        assert moments(part, sine)[0] / energy == pytest.approx(0.0, abs=0.1)
+
+
+def test_spreading_turns_waves_and_changes_nothing_else():
+    long_crested, short_crested = spread(0.0), spread(4.0)
+    assert np.all(long_crested[:, 3] == 0.4)
+    same = [0, 1, 2, 4, 5]
+    assert np.array_equal(long_crested[:, same], short_crested[:, same])
+    assert len(np.unique(short_crested[:, 3])) == 60
+    assert not np.array_equal(short_crested[:, 3], spread(4.0, seed=2)[:, 3])
+    assert np.array_equal(short_crested, spread(4.0))
+
+
+def test_the_water_of_a_spread_sea_moves_across_the_main_direction_by_the_closed_share():
+    parts = Parts(waves=spread(2.0, 200), space=True)
+    velocity = np.array([wave_motion(parts, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0)])
+    along = velocity[:, 0] * math.cos(0.4) + velocity[:, 1] * math.sin(0.4)
+    across = velocity[:, 1] * math.cos(0.4) - velocity[:, 0] * math.sin(0.4)
+    assert np.var(across) / np.var(along) == pytest.approx(1.0 / 3.0, rel=0.04)  # 1/(n + 1)
+    assert np.var(velocity[:, 2]) == pytest.approx(HEIGHT**2 / 16.0 * PEAK**2 * integral(2, 3.3) / integral(0, 3.3), rel=0.02)
+
+
 def test_regular_waves_and_tables_are_their_numbers():
     one = components(Waves(amplitude=0.7, period=8.0, direction=0.3, phase=0.1), G, 0.0)
     omega = 2.0 * math.pi / 8.0
@@ -161,7 +213,31 @@ def test_a_sea_is_made_without_scipy():
     code = (
         "import sys; sys.modules['scipy'] = None\n"
         "from cable_model.parameters import Waves; from cable_model.sea import components\n"
-        "print(len(components(Waves(spectrum='jonswap', significant_height=2.0), 9.81, 30.0)))"
+        "print(len(components(Waves(spectrum='jonswap', significant_height=2.0, spreading_exponent=4.0), 9.81, 30.0)))"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "60\n"
+
+
+@pytest.mark.parametrize(
+    ("waves", "text"),
+    [
+        (Waves(amplitude=1.0, spreading_exponent=2.0),
+         "waves.spreading_exponent = 2: must be 0 without a spectrum. Give waves.spectrum, or remove the exponent."),
+        (Waves(**SPREAD, spreading_exponent=0.5),
+         "waves.spreading_exponent = 0.5: must be 0 (long-crested) or >= 1. Take 2, as is usual, or 0."),
+    ],
+)  # fmt: skip
+def test_spreading_that_means_nothing_is_refused(waves, text):
+    with pytest.raises(ParameterError) as error:
+        check_waves(waves, wet=True)
+    assert str(error.value) == text
+
+
+def test_a_spread_sea_needs_space():
+    waves = Waves(**SPREAD, spreading_exponent=2.0)
+    check_spreading(waves, space=True)
+    check_spreading(Waves(**SPREAD), space=False)
+    with pytest.raises(ParameterError) as error:
+        check_spreading(waves, space=False)
+    assert str(error.value) == "waves.spreading_exponent = 2: must be 0 in the plane. Set solver.space = true, or remove the exponent."
