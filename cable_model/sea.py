@@ -74,7 +74,7 @@ def _energies(waves: Waves) -> tuple[np.ndarray, np.ndarray]:
     band's mean frequency is too high by half its relative variance.  That is little but in the last band, which reaches to infinity
     (6 %), so this one is two waves about its mean m1/m0 that keep all three; unequal ones, or the lower would be among the band below.
     The sea's m1 is then within 0.04, 0.011, 0.003 % with 20, 60, 200 components.  As the bands differ in width, the sea does not repeat:
-    within three hours its autocorrelation returns to 0.67, 0.42, 0.28 at most, as of independent frequencies (tests/test_sea.py).
+    within three hours its autocorrelation returns to 0.70, 0.42, 0.29 at most, as of independent frequencies (tests/test_sea.py).
     """
     m0, m1, m2 = _bands(waves, max(waves.components - 1, 1))
     frequencies = np.sqrt(m2 / m0)

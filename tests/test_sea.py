@@ -19,7 +19,7 @@ from cable_model.sea import check_spreading, check_waves, components, spectral_d
 G = 9.81
 HEIGHT, PERIOD = 3.0, 9.0
 PEAK = 2.0 * math.pi / PERIOD
-SPECTRA = [("pierson-moskowitz", 1.0), ("jonswap", 1.0), ("jonswap", 3.3), ("jonswap", 7.0)]
+SPECTRA = [("pierson-moskowitz", 1.0), ("jonswap", 1.0), ("jonswap", 3.3), ("jonswap", 10.0)]
 SPREAD = {"spectrum": "jonswap", "significant_height": HEIGHT, "peak_period": PERIOD, "direction": 0.4}
 
 
