@@ -90,7 +90,7 @@ EFFECTS = (
         "waves", "waves", Given("waves.amplitude") | Given("waves.spectrum") | Given("waves.table"),
         ("waves.spectrum", "waves.table", "waves.amplitude"), needs=("water",), table=tables.waves, native="always",
         parameters=("waves.amplitude", "waves.period", "waves.direction", "waves.phase"),
-        left_out={"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": ()},
+        left_out={"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": (), "waves.spreading_exponent": 0.0},
         costs={
             "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
             "water and 20 waves": _SEA,

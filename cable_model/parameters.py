@@ -115,8 +115,12 @@ class Waves:
     significant_height: float = quantity("m", "significant wave height of the spectrum", default=0.0, least=0.0)
     peak_period: float = quantity("s", "period of the spectrum's peak", default=10.0, above=0.0)
     peakedness: float = quantity("1", "peakedness gamma of the JONSWAP spectrum", default=3.3, least=1.0, most=10.0)
-    components: int = quantity("1", "number of components of the spectrum, of equal energy", default=60, least=1, most=10000)
-    seed: int = quantity("1", "seed of the components' phases", default=1, least=0, most=2147483646)
+    components: int = quantity("1", "number of components of the spectrum", default=60, least=1, most=10000)
+    seed: int = quantity("1", "seed of the components' phases and of their directions' order", default=1, least=0, most=2147483646)
+    spreading_exponent: float = quantity(
+        "1", "exponent n of the sea's spreading, energy as cos^n of the angle from waves.direction, n = 2s (0 = long-crested)",
+        default=0.0, least=0.0, most=1000.0, gap=1.0, remedy="Take 2, as is usual, or 0.",
+    )  # fmt: skip
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
     )
@@ -186,7 +190,7 @@ class Solver:
     grid: str = quantity("", "finite-difference grid", default="staggered", choices=("staggered", "box"))
     nodes: int = quantity("1", "number of nodes of the chain", default=51, least=3, most=100000)
     grading: float = quantity(
-        "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end", default=0.0, least=0.0, most=4.0,
+        "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end", default=0.0, least=0.0, most=4.0, gap=1.0,
         remedy="Take 0 (automatic), 1 (uniform) or 2 (a free end).",
     )  # fmt: skip
     time_step: float = quantity("s", "longest internal step", default=0.01, above=0.0, remedy="Give a step above 0.")

@@ -20,11 +20,15 @@ def quantity(
     above: float | None = None,
     least: float | None = None,
     most: float | None = None,
+    gap: float | None = None,
     choices: tuple[str, ...] | None = None,
     remedy: str = "",
 ) -> Any:
-    """A data-class field in the given unit; `above` excludes its bound, `least` and `most` include theirs."""
-    facts = {"unit": unit, "description": description, "above": above, "least": least, "most": most, "choices": choices, "remedy": remedy}
+    """A data-class field in the given unit; `above` excludes its bound, `least` and `most` include theirs; 0 or at least `gap`."""
+    facts = {
+        "unit": unit, "description": description, "above": above, "least": least, "most": most, "gap": gap, "choices": choices,
+        "remedy": remedy,
+    }  # fmt: skip
     if isinstance(default, list | dict):
         raise TypeError("a default must not be mutable")
     return dataclasses.field(default=default, metadata=facts)
@@ -34,7 +38,9 @@ def _rule(facts: typing.Mapping[str, Any]) -> str:
     parts = []
     if facts["above"] is not None:
         parts.append(f"> {facts['above']:g}")
-    if facts["least"] is not None:
+    if facts["gap"] is not None:
+        parts.append(f"0 or >= {facts['gap']:g}")
+    elif facts["least"] is not None:
         parts.append(f">= {facts['least']:g}")
     if facts["most"] is not None:
         parts.append(f"<= {facts['most']:g}")
@@ -46,12 +52,17 @@ def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool)
     kind = "a whole number" if whole else "a number"
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise refuse(name, value, facts["unit"], kind, remedy)
-    if not math.isfinite(value):
+    try:
+        finite = math.isfinite(value)
+    except OverflowError:  # a whole number that no float holds
+        raise refuse(name, f"a number of {len(str(value))} digits", facts["unit"], "finite", remedy) from None
+    if not finite:
         raise refuse(name, float(value), facts["unit"], "finite", remedy)
     if whole and value != int(value):
         raise refuse(name, float(value), facts["unit"], kind, remedy)
     low = (facts["above"] is not None and not value > facts["above"]) or (facts["least"] is not None and value < facts["least"])
-    if low or (facts["most"] is not None and value > facts["most"]):
+    between = facts["gap"] is not None and 0.0 < value < facts["gap"]
+    if low or between or (facts["most"] is not None and value > facts["most"]):
         raise refuse(name, value, facts["unit"], _rule(facts), remedy)
     return int(value) if whole else float(value)
 

@@ -57,6 +57,14 @@ RULES = (
         SPECTRUM & ~Given("waves.significant_height"), "waves.significant_height", "> 0 with a spectrum",
         "Give the significant wave height.",
     ),
+    Rule(
+        Given("waves.spreading_exponent") & ~SPECTRUM, "waves.spreading_exponent", "0 without a spectrum",
+        "Give waves.spectrum, or remove the exponent.",
+    ),
+    Rule(
+        Given("waves.spreading_exponent") & ~SPACE, "waves.spreading_exponent", "0 in the plane",
+        "Set solver.space = true, or remove the exponent.",
+    ),
     Rule(WET & ~Given("cable.diameter"), "cable.diameter", "> 0 in water", "Give the diameter, or remove [water]."),
     Rule(On("anchor") & Given("body.mass"), "body.mass", "0 at an anchored end", "Remove [body] or lower_end.anchored."),
     Rule(

@@ -135,7 +135,8 @@ _OUTPUT_FACTS = {
 class Variable:
     """One row: what FMI says of a variable, and the name of the scene's value behind it (parameters only).
 
-    `kind` is the FMI type: "Real", "Integer", "Boolean" or "String".  `minimum_excluded` says that `minimum` itself is refused.
+    `kind` is the FMI type: "Real", "Integer", "Boolean" or "String".  `minimum_excluded` says that `minimum` itself is refused; with a
+    `gap`, so is what lies between 0 and it.
     A parameter with `choices` is a text in scenes; its Integer is the place of the text.
     """
 
@@ -149,6 +150,7 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     minimum_excluded: bool = False
+    gap: float | None = None
     nominal: float | None = None
     scene_name: str = ""
     choices: tuple[str, ...] = ()
@@ -198,7 +200,7 @@ def _parameter(scene: Scene, name: str) -> Variable:
     least = facts["least"] if facts["above"] is None else facts["above"]
     return Variable(
         name, *common, "Integer" if kind is int else "Real", "" if kind is int else facts["unit"], text, start, least, facts["most"],
-        minimum_excluded=facts["above"] is not None, scene_name=scene_name(name),
+        minimum_excluded=facts["above"] is not None, gap=facts["gap"], scene_name=scene_name(name),
     )  # fmt: skip
 
 

@@ -29,8 +29,8 @@ from fmu_src.vendoring import imported, renamed, vendor
 ROOT = Path(__file__).resolve().parent.parent
 NOT_IN_FMUS = {
     "cable.stiffness_curve", "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
-    "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "winch.speeds",
-    "current.levels", "top.position", "top.motion", "top.table", "run.duration", "run.output_step", "run.model",
+    "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent",
+    "winch.speeds", "current.levels", "top.position", "top.motion", "top.table", "run.duration", "run.output_step", "run.model",
 }  # fmt: skip
 
 

@@ -1,18 +1,16 @@
-"""The sea: dispersion, potential flow, surface, spectra and components."""
+"""The waves: dispersion, potential flow, surface, and the models that feel them."""
 
 import math
 
 import numpy as np
 import pytest
 from chain_support import WIRE, drive, every, make, still
-from scipy.integrate import quad
 
 from cable_model import scene
 from cable_model.effects import Parts
 from cable_model.errors import ParameterError
 from cable_model.kernels.waves import elevation, wave_motion
-from cable_model.parameters import Waves
-from cable_model.sea import components, spectral_density, wave_number
+from cable_model.sea import wave_number
 from cable_model.simulated import parts_of
 from cable_model.tow_cable import TowCable
 
@@ -90,45 +88,6 @@ def test_cut_waves_end_at_the_surface():
     surface = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)[0]
     assert wave_motion(parts, (2.0, -1.0, surface + 0.06), 0.4)[0] == (0.0, 0.0, 0.0)
     assert wave_motion(parts, (2.0, -1.0, surface - 1e-9), 0.4)[0] == wave_motion(sea(0.0), (2.0, -1.0, surface - 1e-9), 0.4)[0]
-
-
-def moment(waves: Waves, order: int) -> float:
-    def integrand(omega: float) -> float:
-        return omega**order * float(spectral_density(waves, np.array([omega]))[0])
-
-    peak = 2.0 * math.pi / waves.peak_period
-    return sum(quad(integrand, a * peak, b * peak, limit=200)[0] for a, b in ((0.2, 1.0), (1.0, 3.0), (3.0, 200.0)))
-
-
-def test_the_pierson_moskowitz_spectrum_has_its_closed_moments():
-    waves = Waves(spectrum="pierson-moskowitz", significant_height=3.0, peak_period=9.0)
-    peak = 2.0 * math.pi / 9.0
-    # integral of r^-5 exp(-5/4 r^-4) over r is 1/5; the mean frequency is 1.2957 of the peak's, Gamma(3/4) (5/4)^(1/4)
-    assert moment(waves, 0) == pytest.approx(peak / 5.0, rel=1e-6)
-    assert moment(waves, 1) / moment(waves, 0) == pytest.approx(peak * math.gamma(0.75) * 1.25**0.25, rel=1e-4)
-
-
-@pytest.mark.parametrize(("spectrum", "mean_over_peak"), [("pierson-moskowitz", 0.7718), ("jonswap", 0.8345)])
-def test_components_carry_the_significant_height_and_the_mean_period(spectrum, mean_over_peak):
-    waves = Waves(spectrum=spectrum, significant_height=3.0, peak_period=9.0, components=2000)
-    table = components(waves, G, 0.0)
-    assert np.sum(table[:, 0] ** 2 / 2.0) == pytest.approx(9.0 / 16.0, rel=1e-12)
-    mean = np.sum(table[:, 0] ** 2 * table[:, 1]) / np.sum(table[:, 0] ** 2)
-    assert 2.0 * math.pi / mean / 9.0 == pytest.approx(mean_over_peak, abs=5e-3)  # T01/Tp, DNV-RP-C205: 0.7718 and 0.8345
-    assert table[:, 2] == pytest.approx(table[:, 1] ** 2 / G, rel=1e-12)
-
-
-def test_a_seed_gives_one_sea_and_another_seed_another():
-    first, again, other = (components(Waves(spectrum="jonswap", significant_height=3.0, seed=s), G, 0.0) for s in (1, 1, 2))
-    assert np.array_equal(first, again)
-    assert np.array_equal(first[:, :4], other[:, :4])
-    assert not np.array_equal(first[:, 4], other[:, 4])
-
-
-def test_the_surface_in_time_has_the_significant_height():
-    table = components(Waves(spectrum="jonswap", significant_height=3.0, peak_period=9.0, components=200), G, 0.0)
-    heights = [elevation(table, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
-    assert 4.0 * np.std(heights) == pytest.approx(3.0, rel=0.03)
 
 
 def test_a_table_of_one_row_is_the_regular_wave():

@@ -120,7 +120,7 @@ static fmi2Status check_parameters(const Instance *m)
             continue;
         if (!isfinite(value))
             return refuse(m, vr, value, v->finite);
-        if (value < v->least || value > v->most || (v->above && value == v->least))
+        if (value < v->least || value > v->most || (v->above && value == v->least) || (value > 0.0 && value < v->gap))
             return refuse(m, vr, value, v->range);
         if (*v->kept && value != v->start)
             return refuse(m, vr, value, v->kept);

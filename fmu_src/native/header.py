@@ -30,7 +30,7 @@ TYPES = """
 typedef struct {
     const char *name, *scene_name, *unit;
     char kind, causality; /* R I B S; i(nput) o(utput) p(arameter) l(ocal) */
-    double start, least, most;
+    double start, least, most, gap;
     int above, angle; /* whether `least` itself is refused; whether only a direction across the x axis counts as nonzero */
     const char *finite, *range, *kept; /* what the value must be, and what to do; "": it need not be `start` */
 } Variable;
@@ -65,7 +65,7 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
     limit = rules.limits.get(vr)
     unit = limit.unit if limit else row.unit
     facts = [_text(row.name), _text(row.scene_name or row.name), _text(unit), f"'{row.kind[0]}'", f"'{row.causality[0]}'"]
-    facts += [_number(row.start, 0.0), _number(row.minimum, -math.inf), _number(row.maximum, math.inf)]
+    facts += [_number(row.start, 0.0), _number(row.minimum, -math.inf), _number(row.maximum, math.inf), _number(row.gap, 0.0)]
     facts += [str(int(row.minimum_excluded)), str(int(row.unit == "rad"))]
     facts += [_text(limit.finite if limit else rules.finite_input), _text(limit.range if limit else "")]
     facts += [_text(rules.kept.get(row.name, ""))]
