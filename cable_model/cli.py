@@ -18,8 +18,8 @@ from cable_model.kernel_cache import mended
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.motion import MotionLike, top_motion
-from cable_model.scene import Scene, shipped
-from cable_model.simulated import effects, unknowns_per_node
+from cable_model.scene import Scene, shipped, with_values
+from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
 from cable_model.simulation import CsvRows, Result, read_csv, simulate, write_csv
 
 app = typer.Typer(
@@ -51,6 +51,24 @@ def _models(choice: Choice | None, scene: Scene) -> list[str]:
     if choice is Choice.both:
         return list(MODELS)
     return [choice.value if choice is not None else scene.run.model]
+
+
+def _models_with_scenes(choice: Choice | None, scene: Scene) -> dict[str, Scene]:
+    """The scene for each model; of both, one goes without what it lacks if that can be left out, or is left out itself, and it is said."""
+    if choice is not Choice.both:
+        return dict.fromkeys(_models(choice, scene), scene)
+    found = {}
+    for name in MODELS:
+        words, changes = left_out_for(scene, name)
+        lean = with_values(scene, changes) if changes else scene
+        refused = next(refused_by(lean, name), None)
+        if refused is not None:
+            say(f"{type_name(name)} is left out: {refused}")
+            continue
+        if words:
+            say(f"{type_name(name)} goes without {', '.join(words)}")
+        found[name] = lean
+    return found
 
 
 def summary(results: dict[str, Result]) -> Table:
@@ -85,11 +103,11 @@ def run(
     check_output(output)
     loaded = load_scene(scene)
     results = {}
-    for name in _models(model, loaded):
+    for name, its in _models_with_scenes(model, loaded).items():
         target = output or Path("results") / f"{Path(scene).stem}.csv"
         if model is Choice.both or (output is None and name != loaded.run.model):
             target = target.with_stem(f"{target.stem}_{name}")
-        results[name] = run_with_progress(MODELS[name](loaded), target)
+        results[name] = run_with_progress(MODELS[name](its), target)
         say(f"wrote {target}")
     console.print(summary(results))
 
@@ -106,7 +124,7 @@ def plot(
     loaded = load_scene(scene)
     target = output or Path("results") / f"{Path(scene).stem}.png"
     check_kind(target)  # before minutes are spent
-    results = {name: run_with_progress(MODELS[name](loaded)) for name in _models(model, loaded)}
+    results = {name: run_with_progress(MODELS[name](its)) for name, its in _models_with_scenes(model, loaded).items()}
     picture({type_name(name): r for name, r in results.items()}, loaded.title, target)
     say(f"wrote {target}")
 
@@ -128,7 +146,10 @@ def describe(scene: SceneArgument, model: Annotated[Choice, typer.Option(help="c
         for effect in effects(loaded, name):
             table.add_row(effect.name, "yes" if effect.active else "-", effect.why, style="" if effect.active else "dim")
         console.print(table)
-        if name == "chain":
+        refused = [str(error) for error in refused_by(loaded, name)]
+        if refused:
+            say("\n".join([f"{type_name(name)} refuses the scene:", *refused]) + "\n")
+        elif name == "chain":
             each = unknowns_per_node(loaded, name)
             say(f"{loaded.solver.nodes} nodes, {each} unknowns a node: {each * loaded.solver.nodes} unknowns\n")
         else:

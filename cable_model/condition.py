@@ -69,6 +69,15 @@ def holds(condition: Condition, leaf: Callable[[Condition], bool]) -> bool:
     return leaf(condition)
 
 
+def names(condition: Condition) -> list[str]:
+    """The names of the values that a condition asks for, in their order."""
+    if isinstance(condition, Both):
+        return [*names(condition.one), *names(condition.other)]
+    if isinstance(condition, Not):
+        return names(condition.term)
+    return [condition.name] if isinstance(condition, Given | Chosen | Changed) else []
+
+
 Literal = tuple[int, bool]  # a variable of an FMU, and whether its value is given
 Case = tuple[Literal, ...]
 

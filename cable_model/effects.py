@@ -65,11 +65,12 @@ EFFECTS = (
         numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
     ),
     Effect(
-        "released", "", Given("lower_end.released"), ("lower_end.released",), models=(CHAIN,), grids=(STAGGERED,), part=False,
-        told_to_peers=True,
+        "released", "lower end let go at the start", Given("lower_end.released"), ("lower_end.released",), models=(CHAIN,),
+        grids=(STAGGERED,), part=False, told_to_peers=True,
     ),
     Effect(
-        "held_aside", "", Given("lower_end.release_force"), ("lower_end.release_force",), models=(CHAIN,), part=False, told_to_peers=True,
+        "held_aside", "lower end held aside until the start", Given("lower_end.release_force"), ("lower_end.release_force",),
+        models=(CHAIN,), part=False, told_to_peers=True,
         numbers=("lower_end.release_force",),
     ),
     Effect(

@@ -190,7 +190,8 @@ class Solver:
     grid: str = quantity("", "finite-difference grid", default="staggered", choices=("staggered", "box"))
     nodes: int = quantity("1", "number of nodes of the chain", default=51, least=3, most=100000)
     grading: float = quantity(
-        "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end", default=0.0, least=0.0, most=4.0, gap=1.0,
+        "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end",
+        default=0.0, least=0.0, most=4.0, gap=1.0,
         remedy="Take 0 (automatic), 1 (uniform) or 2 (a free end).",
     )  # fmt: skip
     time_step: float = quantity("s", "longest internal step", default=0.01, above=0.0, remedy="Give a step above 0.")

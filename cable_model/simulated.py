@@ -11,15 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.condition import Case, Changed, Chosen, Condition, Given, On, cases, holds
+from cable_model.condition import Case, Changed, Chosen, Condition, Given, On, cases, holds, names
 from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, INSTEAD, PARAMETERS, TOW, Effect, Parts, record
 from cable_model.errors import ParameterError, refuse
 from cable_model.parameters import field_of, value_of
 
-IGNORED = (  # accepted where they are not simulated
-    "released", "held_aside", "anchor", "bending", "box", "inextensible", "slack", "seabed", "winch", "friction", "cable_mass",
-    "tension_floor", "thinning", "as_printed",
-)  # fmt: skip
 TYPES = {CHAIN: "CableChain", TOW: "TowCable"}
 ON_BOX = Given("solver.grid")
 
@@ -116,11 +112,14 @@ def numbers_of(scene: Any) -> np.recarray:
 
 
 def _refusal(effect: Effect, scene: Any, where: str, remedy: str) -> ParameterError:
-    name = decides(effect, scene)
-    value, unit = value_of(scene, name), field_of(name).metadata["unit"]
+    condition = asked(effect)
+    changed = [name for name in names(condition) if value_of(scene, name) != field_of(name).default] if condition is not None else []
+    name = changed[0] if changed else decides(effect, scene)
+    value, unit, default = value_of(scene, name), field_of(name).metadata["unit"], field_of(name).default
     if isinstance(value, tuple):
         return refuse(name, len(value), "rows", f"empty {where}", remedy)
-    return refuse(name, value, unit, f"{'false' if isinstance(value, bool) else '0'} {where}", remedy)
+    wanted = str(default).lower() if isinstance(value, bool) else f"{default:g}"
+    return refuse(name, value, unit, f"{wanted} {where}", remedy)
 
 
 def asked(effect: Effect) -> Condition | None:
@@ -128,12 +127,24 @@ def asked(effect: Effect) -> Condition | None:
     return effect.asked if effect.asked is not None else effect.on
 
 
-def refused_by(scene: Any, model: str) -> Iterator[ParameterError]:
-    """The errors of the effects that a scene has and a model has not."""
+def lacking(scene: Any, model: str) -> Iterator[Effect]:
+    """The effects that a scene asks for and a model does not have; what has no words is a way to solve, not an effect."""
     for effect in EFFECTS:
         condition = asked(effect)
-        if model not in effect.models and effect.name not in IGNORED and condition is not None and true(condition, scene, CHAIN):
-            yield _refusal(effect, scene, f"for {TYPES[model]}", f"Use {TYPES[effect.models[0]]}.")
+        if effect.words and model not in effect.models and condition is not None and true(condition, scene, CHAIN):
+            yield effect
+
+
+def refused_by(scene: Any, model: str) -> Iterator[ParameterError]:
+    """The errors of the effects that a scene asks for and a model does not have."""
+    for effect in lacking(scene, model):
+        yield _refusal(effect, scene, f"for {TYPES[model]}", f"Use {TYPES[effect.models[0]]}.")
+
+
+def left_out_for(scene: Any, model: str) -> tuple[list[str], dict[str, Any]]:
+    """Words of the effects that a scene must leave out for a model and can, and the values, by dotted name, that leave them out."""
+    effects = [effect for effect in lacking(scene, model) if effect.left_out]
+    return [effect.words for effect in effects], {name: value for effect in effects for name, value in effect.left_out.items()}
 
 
 def refused_on(effect: Effect, grid: str) -> Condition | None:

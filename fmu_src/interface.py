@@ -10,12 +10,14 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from cable_model.effects import FMU_PARAMETERS
+from cable_model.condition import Given
+from cable_model.effects import FMU_PARAMETERS, used_by
 from cable_model.errors import refuse, unknown
 from cable_model.parameters import field_of, holder_of, value_of
 from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.simulated import TYPES, true
 
 GENERIC = {
     "title": "Body on a 100 m steel wire in still water",
@@ -185,8 +187,9 @@ def _parameter(scene: Scene, name: str) -> Variable:
     kind, facts = types_of(holder_of(scene_name(name)))[name.partition(".")[2]], field_of(scene_name(name)).metadata
     start = _start(scene, name)
     text = facts["description"]
-    if name.startswith("tow."):
-        text += " (TowCable only)"
+    users = used_by(scene_name(name))
+    if len(users) == 1:
+        text += f" ({TYPES[users[0]]} only)"
     common = ("parameter", "fixed")
     if kind is bool:
         return Variable(name, *common, "Boolean", "", text, start, scene_name=scene_name(name))
@@ -217,33 +220,55 @@ def generic_scene() -> Scene:
     return from_dict(GENERIC)
 
 
-def kept(base_scene: Scene) -> dict[str, tuple[str, str]]:
-    """The parameters that must keep their start values over a base scene: what each must be, and what to do."""
-    if not base_scene.current.levels:
-        return {}
-    where, remedy = "where a table of the current is baked in", "Bake a scene without current.levels."
-    return {name: (f"{_start(base_scene, name):g} {where}", remedy) for name in ("current.speed", "current.direction")}
+_REPLACED = (  # what a baked table or spectrum takes the place of
+    ("current.levels", "a table of the current", ("current.speed", "current.direction")),
+    ("waves.spectrum", "a spectrum of waves", ("wave.amplitude", "wave.period", "wave.phase")),
+    ("waves.table", "a table of waves", ("wave.amplitude", "wave.period", "wave.direction", "wave.phase")),
+)
 
 
-def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool]) -> Scene:
-    """The scene that FMU parameter values describe; what they do not name, such as a table of the current, is the base scene's.
+def kept(base_scene: Scene, model: str) -> dict[str, tuple[str, str]]:
+    """The parameters of a model's FMU that must keep their start values over a base scene: what each must be, and what to do."""
 
-    Raises ParameterError for a name that is no parameter, a value that breaks its rule, and values that do not go together.
+    def start(name: str) -> str:
+        value = _start(base_scene, name)
+        return str(value).lower() if isinstance(value, bool) else f"{value:g}"
+
+    found = {}
+    for name in _PARAMETERS:
+        users = used_by(scene_name(name))
+        if users and model not in users:
+            found[name] = (f"{start(name)} for {TYPES[model]}, which has no use for it", f"Leave it, or use {TYPES[users[0]]}.")
+    for table_name, words, names in _REPLACED:
+        if true(Given(table_name), base_scene, model):
+            found |= {name: (f"{start(name)} where {words} is baked in", f"Bake a scene without {table_name}.") for name in names}
+    return found
+
+
+def in_scenes(row: Variable, value: float | int | bool) -> float | int | bool | str:
+    """A parameter's value as scenes have it: a choice by its text.  Raises ParameterError for a code that is none."""
+    if not row.choices:
+        return value
+    if value not in range(len(row.choices)):
+        raise refuse(row.name, value, "", f"a whole number from 0 to {len(row.choices) - 1}", f"Codes: {row.description}.")
+    return row.choices[int(value)]
+
+
+def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool], model: str) -> Scene:
+    """The scene that the parameter values of a model's FMU describe; what they do not name, such as a table, is the base scene's.
+
+    Raises ParameterError for a name that is no parameter, a value that the model has no use for, a value that breaks its rule, and
+    values that do not go together.
     """
     changed: dict[str, float | int | bool | str] = {}
-    held = kept(base_scene)
+    held = kept(base_scene, model)
     for name, value in values.items():
         if name not in _PARAMETERS:
             raise unknown(name, _PARAMETERS, "parameter")
         if value == _start(base_scene, name):
             continue
         row = _parameter(base_scene, name)
-        if row.choices:
-            if value not in range(len(row.choices)):
-                raise refuse(name, value, "", f"a whole number from 0 to {len(row.choices) - 1}", f"Codes: {row.description}.")
-            changed[row.scene_name] = row.choices[int(value)]
-            continue
         if name in held:
             raise refuse(name, value, row.unit, *held[name])
-        changed[row.scene_name] = value
+        changed[row.scene_name] = in_scenes(row, value)
     return with_values(base_scene, changed) if changed else base_scene

@@ -169,7 +169,7 @@ class CableSlave(Fmi2Slave):
         self._outdated = False
 
     def _made(self, parameters: dict[str, float | int | bool]) -> Model:
-        return MODELS[self.model_key](scene_from_values(self._base, parameters), self.object_code.calls)
+        return MODELS[self.model_key](scene_from_values(self._base, parameters, self.model_key), self.object_code.calls)
 
     def _parameters(self) -> dict[str, float | int | bool]:
         known = {**self._real, **self._integer, **self._boolean}

@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 from fmu_support import Fmu
 
-from cable_model.scene import Scene
+from cable_model.effects import used_by
+from cable_model.scene import Scene, load, with_values
+from cable_model.simulated import left_out_for
 from fmu_src.interface import table
 from fmu_src.native import build
 
@@ -20,9 +22,16 @@ only_where_they_run = [
 ]
 
 
-def values_of(scene: Scene) -> dict[str, Any]:
-    """The parameter values that make a generic FMU simulate a scene."""
-    return {row.name: row.start for row in table(scene) if row.causality == "parameter"}
+def values_of(scene: Scene, model: str) -> dict[str, Any]:
+    """The parameter values that make a model's generic FMU simulate a scene: those that the model has a use for."""
+    rows = [row for row in table(scene) if row.causality == "parameter"]
+    return {row.name: row.start for row in rows if model in used_by(row.scene_name)}
+
+
+def lean(name: str, model: str) -> Scene:
+    """A shipped scene without what the model lacks."""
+    scene = load(name)
+    return with_values(scene, left_out_for(scene, model)[1])
 
 
 def library_of(fmu: Fmu) -> Path:

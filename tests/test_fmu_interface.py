@@ -18,6 +18,7 @@ from fmpy.validation import validate_fmu
 from fmu_support import Fmu
 
 from cable_model import parameters
+from cable_model.effects import used_by
 from cable_model.errors import ParameterError
 from cable_model.kernels import family
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
@@ -108,13 +109,15 @@ def _value(scene: Scene, name: str) -> object:
 def test_start_values_give_back_the_scene_they_come_from(name):
     scene = load(name)
     values = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
-    assert scene_from_values(scene, values) == scene
+    model = scene.run.model
+    assert scene_from_values(scene, values, model) == scene
     if any(_value(scene, part) != _value(generic_scene(), part) for part in NOT_IN_FMUS if not part.startswith(("top.", "run."))):
         return  # it has to be baked in
     other = dataclasses.replace(generic_scene(), top=scene.top, run=scene.run, title=scene.title, source=scene.source)
     if scene.water is None:
         scene = dataclasses.replace(scene, water=parameters.Water(density=0.0))
-    assert scene_from_values(other, values) == scene
+    used = {row.name: row.start for row in table(scene) if row.causality == "parameter" and model in used_by(row.scene_name)}
+    assert scene_from_values(other, used, model) == scene
 
 
 def test_start_values_of_the_inputs_are_the_scenes_top():
@@ -133,22 +136,23 @@ def test_every_parameter_reaches_the_scene():
         elif row.kind == "Integer":
             value = row.start + 1
         else:
-            value = 0.5 * row.start + (0.25 if row.maximum is not None else 1.0)
+            value = row.gap or 0.5 * row.start + (0.25 if row.maximum is not None else 1.0)
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
         needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
-        changed = scene_from_values(base, {**values, **extra})
+        model = used_by(row.scene_name)[0]
+        changed = scene_from_values(base, {**values, **extra}, model)
         expected = row.choices[value] if row.choices else value
         part, field = row.scene_name.split(".")
         assert getattr(getattr(changed, part), field) == expected
-        assert scene_from_values(changed, {name: r.start for r in table(base) if (name := r.name) in (*values, *extra)}) == base
+        assert scene_from_values(changed, {name: r.start for r in table(base) if (name := r.name) in (*values, *extra)}, model) == base
 
 
 def test_a_name_that_is_no_parameter_names_the_nearest_one():
     with pytest.raises(ParameterError, match=r"cable\.lenght: unknown parameter\. Did you mean 'cable\.length'\?"):
-        scene_from_values(generic_scene(), {"cable.lenght": 3.0})
+        scene_from_values(generic_scene(), {"cable.lenght": 3.0}, "chain")
 
 
 def test_a_baked_table_of_the_current_is_not_silently_overridden():
@@ -156,9 +160,9 @@ def test_a_baked_table_of_the_current_is_not_silently_overridden():
         {"cable": {"length": 10.0, "diameter": 0.01, "mass_per_length": 1.0, "axial_stiffness": 1e6}, "water": {},
          "current": {"levels": [[-10.0, 0.2, 0.0], [0.0, 1.0, 0.0]]}}
     )  # fmt: skip
-    assert scene_from_values(scene, {"current.speed": 0.0, "cable.length": 11.0}).current == scene.current
+    assert scene_from_values(scene, {"current.speed": 0.0, "cable.length": 11.0}, "chain").current == scene.current
     with pytest.raises(ParameterError, match=r"current\.speed = 0\.5 m/s: must be 0 where a table of the current is baked in\."):
-        scene_from_values(scene, {"current.speed": 0.5})
+        scene_from_values(scene, {"current.speed": 0.5}, "chain")
 
 
 def test_waves_are_the_one_part_with_another_name():

@@ -43,7 +43,7 @@ def steps_of(model, count: int) -> np.ndarray:
 
 def library(key: str, values: dict[str, object], count: int) -> np.ndarray:
     """What numba's kernels, compiled for this machine, give."""
-    return steps_of(MODELS[key](scene_from_values(generic_scene(), values)), count)
+    return steps_of(MODELS[key](scene_from_values(generic_scene(), values, key)), count)
 
 
 def in_a_new_process(path: Path, values: dict[str, object], setup: str = "") -> dict[str, object]:

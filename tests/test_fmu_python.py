@@ -13,12 +13,12 @@ import fmpy
 import numpy as np
 import pytest
 from fmu_support import Fmu, Instance, assert_same, outputs_wait_for_the_end_of_initialization, sway
+from native_support import lean
 
 from cable_model.fmu_check import sampled_motion, simulate_fmu
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.parameters import Motion, Top
-from cable_model.scene import load
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src import staging
 from fmu_src.interface import generic_scene, scene_from_values
@@ -35,18 +35,18 @@ SMOOTH = top_motion(
     )
 )
 KEYS = {"CableChain": "chain", "TowCable": "tow"}
-LONE_CHANGES = {"cable.length": 40.0, "solver.nodes": 15, "water.density": 1000.0}
+LONE_CHANGES = {"cable.length": 40.0, "solver.time_step": 0.02, "water.density": 1000.0}
 
 
 def library(fmu: Fmu, values: dict[str, object] | None = None):
     """The library's model that an FMU with these parameters stands for."""
-    return MODELS[KEYS[fmu.path.stem]](scene_from_values(generic_scene(), values or {}))
+    return MODELS[KEYS[fmu.path.stem]](scene_from_values(generic_scene(), values or {}, KEYS[fmu.path.stem]))
 
 
 @pytest.mark.parametrize(("key", "name"), SCENES)
 def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(build_fmu: ModuleType, tmp_path: Path, key: str, name: str):
     """fmpy's own simulation loop, the library's steps; numba compiles the kernels (object code: test_fmu_precompiled.py)."""
-    scene = load(name)
+    scene = lean(name, key)
     path = build_fmu.build(key, scene, tmp_path / f"{name}.fmu", precompile=False)
     step, count = scene.run.output_step, 40
     times, inputs = sampled_motion(top_motion(scene.top), count * step, step)

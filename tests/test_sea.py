@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from cable_model.effects import Parts
 from cable_model.errors import ParameterError
-from cable_model.kernels.parts import Parts
 from cable_model.kernels.waves import elevation, wave_motion
 from cable_model.parameters import Waves
 from cable_model.scene import from_dict

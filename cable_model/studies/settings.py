@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from cable_model.effects import CHAIN, EFFECTS
 from cable_model.errors import ParameterError
 from cable_model.scene import Scene, with_values
-from cable_model.simulated import is_on, parts_of
+from cable_model.simulated import is_on, left_out_for, parts_of
 from cable_model.studies.timed import Setting
 
 FEWEST_CELLS = 4
@@ -48,16 +48,19 @@ def allowed(scene: Scene, setting: Setting) -> bool:
         parts_of(with_values(scene, setting.changes), setting.model)
     except ParameterError:
         return False
-    return setting.model != "tow" or not (
-        scene.lower_end.anchored or scene.lower_end.released or scene.winch.fitted or scene.seabed.stiffness
-    )
+    return True
+
+
+def straight(scene: Scene) -> Mapping[str, object]:
+    """The values without what a straight cable lacks and a scene can do without."""
+    return {"solver.grid": "staggered", "cable.inextensible": False, **left_out_for(scene, "tow")[1]}
 
 
 def of_method(scene: Scene, method: str, quick: bool = False) -> Iterator[Setting]:
     """All settings of a method; cheap ones first."""
     if method == TOW:
         for tolerance in (1e-2, 1e-4, 1e-6):
-            yield Setting(TOW, "tow", {"solver.tolerance": tolerance, "solver.grid": "staggered", "cable.inextensible": False})
+            yield Setting(TOW, "tow", {**straight(scene), "solver.tolerance": tolerance})
         return
     if method == CONTROLLED:
         longest = 0.1 * scene.run.duration

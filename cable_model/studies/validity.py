@@ -9,8 +9,8 @@ import numpy as np
 
 from cable_model.motion import top_motion
 from cable_model.scene import Scene
-from cable_model.simulated import parts_of
-from cable_model.studies.settings import TOW, allowed
+from cable_model.simulated import lacking, parts_of
+from cable_model.studies.settings import TOW, allowed, straight
 from cable_model.studies.timed import Setting, timed
 
 RESONANT = 3.0  # forcing nearer to the first axial frequency than this factor
@@ -118,9 +118,10 @@ def straight_enough(scene: Scene, accuracy: float = 0.01) -> list[Check]:
     Motion that drag or inertia damps within the cable bows it, by (L/depth)^2/4 and (omega/omega_1)^2 pi^2/8 of the top's motion; the
     tension is taken constant along the cable.
     """
-    if not allowed(scene, Setting(TOW, "tow", {})):
-        return [Check("the scene has what TowCable lacks (anchor, seabed, winch or table of the stiffness)", False)]
-    run = timed(scene, Setting(TOW, "tow", {"solver.grid": "staggered", "solver.tolerance": 1e-4, "cable.inextensible": False}))
+    if not allowed(scene, Setting(TOW, "tow", straight(scene))):
+        lacks = ", ".join(effect.words for effect in lacking(scene, "tow") if not effect.left_out)
+        return [Check(f"the scene has what TowCable lacks: {lacks}", False)]
+    run = timed(scene, Setting(TOW, "tow", {**straight(scene), "solver.tolerance": 1e-4}))
     if run.error:
         return [Check(f"TowCable stops: {run.error}", False)]
     tension = max(float(run.tension.mean()), 1e-9)

@@ -118,12 +118,12 @@ static fmi2Status check_parameters(const Instance *m)
         double value = m->core.values[vr];
         if (v->causality != 'p')
             continue;
+        if (*v->kept && value != v->start)
+            return refuse(m, vr, value, v->kept);
         if (!isfinite(value))
             return refuse(m, vr, value, v->finite);
         if (value < v->least || value > v->most || (v->above && value == v->least) || (value > 0.0 && value < v->gap))
             return refuse(m, vr, value, v->range);
-        if (*v->kept && value != v->start)
-            return refuse(m, vr, value, v->kept);
     }
     for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++)
         if (holds(&m->core, &refusals[k].when))

@@ -16,10 +16,10 @@ from cable_model.errors import ParameterError
 from cable_model.model import Model
 from cable_model.parameters import field_of
 from cable_model.rules import RULES
-from cable_model.scene import Scene
+from cable_model.scene import Scene, with_values
 from cable_model.signals import INPUTS
 from cable_model.simulated import ON_BOX, decides, grid_refusal, literals, refused_on, when, why
-from fmu_src.interface import Variable, kept, scene_from_values
+from fmu_src.interface import Variable, in_scenes, kept
 
 TAIL = re.compile(r"(.+?) = (.*?): must be (.*)", re.DOTALL)
 
@@ -146,7 +146,7 @@ class Rules:
     @functools.cached_property
     def kept(self) -> Mapping[str, str]:
         """What the parameters must be that must keep their start values, by their names."""
-        return {name: f"{rule}. {remedy}" for name, (rule, remedy) in kept(self.base).items()}
+        return {name: f"{rule}. {remedy}" for name, (rule, remedy) in kept(self.base, self.model).items()}
 
     def numbers(self) -> list[tuple[int, int]]:
         """For each number of the kernels the variable that it is, and the one that takes its place below zero (or -1)."""
@@ -169,7 +169,7 @@ class Rules:
 
     def _refused(self, row: Variable, value: float) -> str:
         try:
-            scene_from_values(self.base, {row.name: value})
+            with_values(self.base, {row.scene_name: in_scenes(row, value)})
         except ParameterError as error:
             return str(error)
         return ""
