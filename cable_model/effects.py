@@ -138,6 +138,7 @@ EFFECTS = (
     Effect(
         "inextensible", "stretch", Given("cable.inextensible"), ("cable.inextensible",), models=(CHAIN,), grids=(BOX,), told_to_peers=True,
         remedy='Set solver.grid = "box", or raise axial_stiffness.', parameters=("cable.inextensible",), native="absent", inverse=True,
+        costs={"box grid, inextensible": {"solver.grid": "box", "cable.inextensible": True}},
     ),
     Effect(
         "slack", "slack (no compression)", ~Given("cable.compressible"), ("cable.compressible",), models=(CHAIN,), grids=(STAGGERED,),

@@ -118,7 +118,7 @@ def _refusal(effect: Effect, scene: Any, where: str, remedy: str) -> ParameterEr
     value, unit, default = value_of(scene, name), field_of(name).metadata["unit"], field_of(name).default
     if isinstance(value, tuple):
         return refuse(name, len(value), "rows", f"empty {where}", remedy)
-    wanted = str(default).lower() if isinstance(value, bool) else f"{default:g}"
+    wanted = str(default).lower() if isinstance(value, bool) else str(default) if isinstance(value, str) else f"{default:g}"
     return refuse(name, value, unit, f"{wanted} {where}", remedy)
 
 
