@@ -36,6 +36,7 @@ from fmu_src import trial
 from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
 from fmu_src.model_description import osp_description
+from fmu_src.native import build as native_build
 from fmu_src.native.build import IDENTIFIERS
 from fmu_src.vendoring import Vendored, vendor
 
@@ -186,35 +187,33 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
     return to
 
 
-def build_native(dist: Path) -> list[Path]:
-    """The native FMUs, where their sources and a C compiler are there."""
-    if importlib.util.find_spec("fmu_src.native") is None or importlib.util.find_spec("fmu_src.native.build") is None:
-        return []
-    made: list[Path] = importlib.import_module("fmu_src.native.build").build_all(dist / "native")
-    return made
-
-
 def main(
     scene: Annotated[str, typer.Argument(help="a scene file or the name of a shipped scene to bake in; none: build all into dist/")] = "",
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
     model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
-    native: Annotated[bool, typer.Option(help="also build the native FMUs into dist/native")] = True,
+    native: Annotated[
+        bool | None, typer.Option(help="also build native FMUs, into the folder native/ beside; default: only where no scene is baked in")
+    ] = None,
     precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
     simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
+        made: list[Path] = []
         if scene:
             baked = load_scene(scene)
             key = model or baked.run.model
             if key not in MODELS:
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
-            made = [build(key, baked, output or Path("dist") / f"{Path(scene).stem}.fmu", precompile=precompile)]
+            target = output or Path("dist") / f"{Path(scene).stem}.fmu"
+            if native:  # first: it may refuse the scene
+                made = [native_build.build_native(key, target.parent / "native" / target.name, baked)]
+            made = [build(key, baked, target, precompile=precompile), *made]
         else:
             dist = output or Path("dist")
             made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS]
-            made += build_native(dist) if native else []
+            made += native_build.build_all(dist / "native") if native is not False else []
         for path in made:
             typer.echo(f"{path}  {path.stat().st_size} bytes")
         if simulate:

@@ -1,0 +1,116 @@
+"""No parameter of an FMU is accepted and ignored: each changes an output in some setting, or is refused."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from fmu_support import FMICallException, Fmu, sway
+from native_support import only_where_they_run
+
+from cable_model.effects import used_by
+from cable_model.models import MODELS
+from fmu_src.interface import Variable, table
+
+STEP, STEPS = 0.1, 8
+PARAMETERS = [row for row in table() if row.causality == "parameter"]
+MOORED = {
+    "lower_end.anchored": True, "lower_end.x": 60.0, "lower_end.z": -60.0, "body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0,
+    "body.added_mass": 0.0, "seabed.level": -60.0, "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5,
+}  # fmt: skip
+SEA = {"current.speed": 0.5, "wave.amplitude": 1.0, "wave.period": 7.0}
+# what is set beside the parameter, one after the other until it shows
+SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
+    "chain": (
+        {}, SEA, MOORED, {"cable.compressible": True}, {"cable.quadratic_damping": 1e4}, {**SEA, "solver.space": True},
+        {"solver.tolerance": 1e-3, "solver.time_step": 0.05}, {"winch.fitted": True}, {**MOORED, "solver.space": True},
+    ),
+    "tow": (
+        {}, SEA, {"tow.poisson_ratio": 0.3, "tow.reference_tension": 1e3}, {"tow.body_angle": 0.5, "tow.drag_area_axial": 0.7},
+        {**SEA, "solver.space": True}, {"tow.poisson_ratio": 0.3, "tow.explicit": True}, {"body.mass": 60.0, "body.volume": 0.06},
+    ),
+}  # fmt: skip
+
+
+def others(row: Variable, value: Any) -> list[Any]:
+    """Values that differ from one."""
+    if row.kind == "Boolean":
+        return [not value]
+    if row.kind == "Integer":
+        return [k for k in (0, 1, 2, 3, 25) if k != value and (row.minimum or 0) <= k <= (row.maximum or math.inf)]
+    if row.unit == "rad":
+        return [value + math.pi, value + 0.5]
+    most = math.inf if row.maximum is None else row.maximum
+    return [min(row.gap or 1.3 * value or 0.4, most), 0.7 * value, min(value + 1e3, most)]
+
+
+def outputs(fmu: Fmu, values: dict[str, Any]) -> np.ndarray:
+    """Outputs of a few steps with the winch turning where there is one.  Raises FMICallException where the FMU refuses the values."""
+    instance = fmu.instance()
+    paid_out = [0.05] if values.get("winch.fitted") else [0.0]
+    try:
+        instance.initialize(values, [*sway(0.0), *paid_out])
+        rows = [instance.step(k * STEP, STEP, [*sway(k * STEP), *paid_out]) for k in range(STEPS)]
+        instance.slave.terminate()
+    finally:
+        instance.slave.freeInstance()
+    return np.array(rows)
+
+
+class Seen:
+    """Remembers what each setting gives as it is."""
+
+    def __init__(self, fmu: Fmu, model: str) -> None:
+        self.fmu, self.model = fmu, model
+        self._plain: dict[int, np.ndarray] = {}
+
+    def plain(self, k: int) -> np.ndarray:
+        if k not in self._plain:
+            self._plain[k] = outputs(self.fmu, SETTINGS[self.model][k])
+        return self._plain[k]
+
+    def verdict(self, row: Variable) -> str:
+        """Whether a parameter "changes" an output, is always "refused", or is "ignored"."""
+        accepted = False
+        for k, setting in enumerate(SETTINGS[self.model]):
+            for value in others(row, setting.get(row.name, row.start)):
+                try:
+                    found = outputs(self.fmu, {**setting, row.name: value})
+                except FMICallException:
+                    continue
+                accepted = True
+                if not np.array_equal(found, self.plain(k)):
+                    return "changes"
+        return "ignored" if accepted else "refused"
+
+
+@pytest.fixture(scope="module")
+def seen(fmus: dict[str, Fmu]) -> dict[str, Seen]:
+    return {model: Seen(fmu, model) for model, fmu in fmus.items()}
+
+
+@pytest.fixture(scope="module")
+def seen_natively(native: dict[str, Fmu]) -> dict[str, Seen]:
+    return {model: Seen(fmu, model) for model, fmu in native.items()}
+
+
+def expected(row: Variable, model: str) -> str:
+    return "changes" if model in used_by(row.scene_name) else "refused"
+
+
+@pytest.mark.parametrize("row", PARAMETERS, ids=lambda row: row.name)
+@pytest.mark.parametrize("model", sorted(MODELS))
+def test_a_parameter_changes_an_output_or_is_refused(seen: dict[str, Seen], model: str, row: Variable):
+    assert seen[model].verdict(row) == expected(row, model)
+
+
+class TestNatively:
+    pytestmark = only_where_they_run
+
+    @pytest.mark.parametrize("row", PARAMETERS, ids=lambda row: row.name)
+    @pytest.mark.parametrize("model", sorted(MODELS))
+    def test_a_parameter_changes_an_output_or_is_refused(self, seen_natively: dict[str, Seen], model: str, row: Variable):
+        not_compiled_in = model == "chain" and row.name in ("solver.grid", "cable.inextensible")  # the box grid: by baking only
+        assert seen_natively[model].verdict(row) == ("refused" if not_compiled_in else expected(row, model))
