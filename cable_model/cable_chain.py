@@ -5,8 +5,8 @@ from types import ModuleType
 import numpy as np
 
 from cable_model.calls import Calls
-from cable_model.errors import refuse
 from cable_model.model import Model
+from cable_model.rules import check_start
 
 
 class CableChain(Model):
@@ -28,12 +28,4 @@ class CableChain(Model):
         return JustInTime(self.kernels(), self.motion_order, self.parts, self.numbers, held)
 
     def _check_start(self, inputs: np.ndarray) -> None:
-        """No end begins below the seabed."""
-        level, depth = self.scene.seabed.level, 10.0 * self.scene.cable.diameter  # a lying end sinks in a little
-        if self.parts.seabed is None:
-            return
-        z = float(inputs[2])
-        if z < level - depth:
-            raise refuse("top.z", z, "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the top.")
-        if self.scene.lower_end.anchored and self.scene.lower_end.z < level - depth:
-            raise refuse("lower_end.z", self.scene.lower_end.z, "m", f">= seabed.level = {level:g}", "Lower the seabed or lift the anchor.")
+        check_start(self.scene, inputs.tolist(), self.name)

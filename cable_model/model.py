@@ -73,7 +73,10 @@ class Model:
         return self._calls.work
 
     def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
-        """Static equilibrium under the top that `inputs` (10,) places; raises SolverError where there is none."""
+        """Static equilibrium under the top that `inputs` (10,) places.
+
+        Raises ParameterError where that top does not go with the scene, SolverError where there is no equilibrium.
+        """
         inputs = self._finite(inputs)
         self._check_start(inputs)
         self.state[:] = 0.0

@@ -196,7 +196,7 @@ class Solver:
     )  # fmt: skip
     time_step: float = quantity("s", "longest internal step", default=0.01, above=0.0, remedy="Give a step above 0.")
     lambda_infinity: float = quantity(
-        "1", "eigenvalue of the time integrator at infinite frequency", default=-0.9, least=-1.0, most=0.999,
+        "1", "eigenvalue of the time integrator at infinite frequency", default=-0.9, least=-1.0, most=0.5,
         remedy="Near -1 is most accurate on smooth motion, -0.5 damps more.",
     )  # fmt: skip
     integrator: str = quantity(

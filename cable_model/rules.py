@@ -11,6 +11,7 @@ from cable_model.condition import Condition, Given, On
 from cable_model.effects import CHAIN
 from cable_model.errors import ParameterError, refuse
 from cable_model.parameters import field_of, value_of
+from cable_model.signals import INPUTS
 from cable_model.simulated import given, refused_on_grid, true
 
 WET, SPACE = On("water"), Given("solver.space")
@@ -53,6 +54,7 @@ RULES = (
     Rule(~WET & SPECTRUM, "waves.spectrum", "none without water", NO_WAVES),
     Rule(~WET & TABLE, "waves.table", "none without water", NO_WAVES),
     Rule(AMPLITUDE & SPECTRUM | AMPLITUDE & TABLE | SPECTRUM & TABLE, "waves", "one of amplitude, spectrum and table", "Keep one of them."),
+    Rule((AMPLITUDE | SPECTRUM | TABLE) & ~Given("environment.gravity"), "environment.gravity", "> 0 with waves", "Give gravity."),
     Rule(
         SPECTRUM & ~Given("waves.significant_height"), "waves.significant_height", "> 0 with a spectrum",
         "Give the significant wave height.",
@@ -71,6 +73,16 @@ RULES = (
         Given("seabed.stiffness") & ~Given("cable.diameter"), "cable.diameter", "> 0 on a seabed", "Give the diameter, or remove [seabed]."
     ),
     Rule(
+        ~Given("body.mass") & ~On("anchor") & (Given("body.volume") | Given("body.drag_area") | Given("body.added_mass")), "body.mass",
+        "> 0 for a body with volume, drag area or added mass", "Give the body's mass, or remove all of [body].",
+    ),
+    Rule(
+        ~Given("seabed.stiffness") & (Given("seabed.level") | Given("seabed.friction_coefficient")), "seabed.stiffness",
+        "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
+    ),
+    Rule(Given("current.levels") & Given("current.speed"), "current.speed", "0 beside current.levels", "Keep one of them."),
+    Rule(Given("current.levels") & Given("current.direction"), "current.direction", "0 beside current.levels", "Keep one of them."),
+    Rule(
         Given("lower_end.released") & ~Given("lower_end.anchored"), "lower_end.released", "false without an anchor",
         "Set lower_end.anchored = true and its x, y, z.",
     ),
@@ -83,6 +95,54 @@ RULES = (
     Rule(~SPACE & Given("waves.table", column=2), "waves.table", *ACROSS, column=2),
     Rule(~SPACE & Given("current.levels", column=2), "current.levels", *ACROSS, column=2),
 )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StartRule:
+    """Where `when` holds, `name` must at the start be `other`, or (unless `equal`) at least `other` less `times` of the value `slack`.
+
+    Names are of inputs or of a scene's values.
+    """
+
+    when: Condition
+    name: str
+    other: str
+    remedy: str
+    equal: bool = False
+    slack: str = ""
+    times: float = 0.0
+    where: str = ""
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """What stands before and after the number in "must be"."""
+        return f"{'' if self.equal else '>= '}{self.other} = ", f"{self.where}. {self.remedy}"
+
+
+SUNK = 10.0  # diameters: an end that lies on the seabed sinks in a little
+START_RULES = (
+    StartRule(On("seabed"), "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
+    StartRule(
+        On("seabed") & On("anchor"), "lower_end.z", "seabed.level", "Lower the seabed or lift the anchor.",
+        slack="cable.diameter", times=SUNK,
+    ),
+    StartRule(
+        On("anchor") & ~SPACE, "lower_end.y", "top.y", "Set solver.space = true, or turn the axes so that x is along it.",
+        equal=True, where=" in the plane",
+    ),
+)  # fmt: skip
+
+
+def check_start(scene: Any, inputs: Sequence[float], model: str) -> None:
+    """Raises the ParameterError of the first rule that the inputs at the start break."""
+    at = dict(zip(INPUTS, inputs, strict=True))
+    for rule in START_RULES:
+        if not true(rule.when, scene, model):
+            continue
+        value, other = (float(at[name] if name in at else value_of(scene, name)) for name in (rule.name, rule.other))
+        slack = rule.times * value_of(scene, rule.slack) if rule.slack else 0.0
+        if value != other if rule.equal else value < other - slack:
+            raise refuse(rule.name, value, "m", f"{rule.words[0]}{other:.10g}{rule.where}", rule.remedy)
 
 
 def rising(rows: Sequence[Sequence[float]], columns: int = 1) -> bool:

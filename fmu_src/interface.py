@@ -269,6 +269,6 @@ def scene_from_values(base_scene: Scene, values: Mapping[str, float | int | bool
             continue
         row = _parameter(base_scene, name)
         if name in held:
-            raise refuse(name, value, row.unit, *held[name])
+            raise refuse(name, value, field_of(row.scene_name).metadata["unit"], *held[name])
         changed[row.scene_name] = in_scenes(row, value)
     return with_values(base_scene, changed) if changed else base_scene

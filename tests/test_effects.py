@@ -225,9 +225,11 @@ def test_conditions_are_written_out_as_the_fewest_alternatives():
 
 
 def test_effects_that_need_one_another_are_off_together():
-    scene = from_dict({"cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}, "seabed": {"friction_coefficient": 0.3}})
-    assert not is_on(table.BY_NAME["friction"], scene, CHAIN)
-    assert value_of(scene, "water.density") == 0.0
+    cable = {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0, "diameter": 0.1}
+    calm = from_dict({"cable": cable, "water": {"depth": 20.0}})
+    assert not is_on(table.BY_NAME["finite_depth"], calm, CHAIN)
+    assert is_on(table.BY_NAME["finite_depth"], with_values(calm, {"waves.amplitude": 1.0}), CHAIN)
+    assert value_of(from_dict({"cable": cable}), "water.density") == 0.0
     assert isinstance(On("water") & Given("water.depth"), Both)
     assert Rules(interface(), from_dict(
         {"cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}}), CHAIN).parts()["finite_depth"] is None  # fmt: skip

@@ -15,7 +15,7 @@ from fmu_support import (
     undisturbed_runs,
 )
 from native_support import only_where_they_run
-from test_fmu_input import BAD_PARAMETERS, BAD_STEPS, STEP
+from test_fmu_input import BAD_PARAMETERS_OF, BAD_STEPS, STEP, bad_parameters
 
 from cable_model.models import MODELS
 from cable_model.signals import INPUTS
@@ -47,9 +47,11 @@ def test_a_bad_step_is_the_same_one_error_as_in_the_python_fmu(fmu: Fmu, undistu
     recovers(instance, undisturbed[fmu.path.stem])
 
 
-@pytest.mark.parametrize("case", BAD_PARAMETERS)
-def test_a_bad_parameter_is_the_same_one_error_as_in_the_python_fmu(fmu: Fmu, undisturbed: dict[str, np.ndarray], case: str):
-    recovers(refused(fmu, *BAD_PARAMETERS[case]), undisturbed[fmu.path.stem])
+@pytest.mark.parametrize(("model", "case"), BAD_PARAMETERS_OF)
+def test_a_bad_parameter_is_the_same_one_error_as_in_the_python_fmu(
+    native: dict[str, Fmu], undisturbed: dict[str, np.ndarray], model: str, case: str
+):
+    recovers(refused(native[model], *bad_parameters(model, case)), undisturbed[native[model].path.stem])
 
 
 def test_a_grid_that_was_not_compiled_is_refused_at_the_end_of_initialization(native: dict[str, Fmu], undisturbed: dict[str, np.ndarray]):

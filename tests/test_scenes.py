@@ -40,6 +40,30 @@ REFUSED = [
         "body.mass = 2 kg: must be 0 at an anchored end. Remove [body] or lower_end.anchored.",
     ),
     (
+        {"cable": CABLE, "body": {"volume": 0.5}},
+        "body.mass = 0 kg: must be > 0 for a body with volume, drag area or added mass. Give the body's mass, or remove all of [body].",
+    ),
+    (
+        {"cable": CABLE, "seabed": {"level": -5.0}},
+        "seabed.stiffness = 0 Pa/m: must be > 0 for a seabed. Give the stiffness, or remove [seabed].",
+    ),
+    (
+        {"cable": {**CABLE, "diameter": 0.1}, "water": {}, "current": {"speed": 1.0, "levels": [[0.0, 1.0, 0.0]]}},
+        "current.speed = 1 m/s: must be 0 beside current.levels. Keep one of them.",
+    ),
+    (
+        {"cable": {**CABLE, "diameter": 0.1}, "water": {}, "waves": {"amplitude": 1.0}, "environment": {"gravity": 0.0}},
+        "environment.gravity = 0 m/s2: must be > 0 with waves. Give gravity.",
+    ),
+    (
+        {"cable": CABLE, "solver": {"grading": 0.5}},
+        "solver.grading = 0.5 1: must be 0 or >= 1 and <= 4. Take 0 (automatic), 1 (uniform) or 2 (a free end).",
+    ),
+    (
+        {"cable": CABLE, "solver": {"lambda_infinity": 0.9}},
+        "solver.lambda_infinity = 0.9 1: must be >= -1 and <= 0.5. Near -1 is most accurate on smooth motion, -0.5 damps more.",
+    ),
+    (
         {"cable": {**CABLE, "inextensible": True}},
         'cable.inextensible = True: must be false on the staggered grid. Set solver.grid = "box", or raise axial_stiffness.',
     ),

@@ -228,10 +228,25 @@ static fmi2Status check_inputs(const Instance *m, const double *inputs)
     return fmi2OK;
 }
 
+static double at_start(const Instance *m, const double *inputs, int vr) { return vr < N_INPUTS ? inputs[vr] : m->core.values[vr]; }
+
+static fmi2Status check_start(const Instance *m, const double *inputs)
+{
+    for (size_t k = 0; k < sizeof start_rules / sizeof *start_rules; k++) {
+        const StartRule *r = &start_rules[k];
+        double value = at_start(m, inputs, r->variable), other = at_start(m, inputs, r->other);
+        double slack = r->slack < 0 ? 0.0 : r->times * m->core.values[r->slack];
+        char text[200];
+        if (holds(&m->core, &r->when) && (r->equal ? value != other : value < other - slack))
+            return fail(m, "%s: must be %s%.10g%s", shown(r->variable, value, text), r->before, other, r->after);
+    }
+    return fmi2OK;
+}
+
 static fmi2Status initialize(Instance *m, const double *inputs)
 {
     double outputs[N_OUTPUTS];
-    if (prepare(m) != fmi2OK || check_inputs(m, inputs) != fmi2OK)
+    if (prepare(m) != fmi2OK || check_inputs(m, inputs) != fmi2OK || check_start(m, inputs) != fmi2OK)
         return fmi2Error;
     int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);
     if (status != OK)

@@ -24,7 +24,7 @@ from fmu_src import entries
 from fmu_src.entries import Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable
 from fmu_src.native.export import ENTRY
-from fmu_src.native.rules import Rules
+from fmu_src.native.rules import AtStart, Rules
 
 TYPES = """
 typedef struct {
@@ -37,6 +37,7 @@ typedef struct {
 typedef struct { int variable, nonzero; } Literal;
 typedef struct { int count; Literal literals[4]; } Condition; /* all of them; count < 0: never */
 typedef struct { Condition when; int variable; const char *text; } Refusal;
+typedef struct { Condition when; int variable, other, slack; double times; int equal; const char *before, *after; } StartRule;
 typedef struct { Condition when; const char *words; int variable; const char *unit; } Effect;
 typedef struct { int variable, below_zero; } Number; /* the second takes the place of a negative first one */
 """
@@ -70,6 +71,15 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
     facts += [_text(limit.finite if limit else rules.finite_input), _text(limit.range if limit else "")]
     facts += [_text(rules.kept.get(row.name, ""))]
     return f"{{{', '.join(facts)}}}"
+
+
+NO_START_RULE = '{{-1, {{0, 0}}}, 0, 0, -1, 0.0, 0, "", ""}'  # C wants one at least
+
+
+def _start_rule(rule: AtStart) -> str:
+    before, after = (_text(words) for words in rule.words)
+    numbers = f"{rule.variable}, {rule.other}, {rule.slack}, {rule.times!r}, {int(rule.equal)}"
+    return f"{{{_condition(rule.literals)}, {numbers}, {before}, {after}}}"
 
 
 def _bare(kind: type[Model]) -> Model:
@@ -157,6 +167,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("Variable", "variables", (_variable(row, rules, vr) for vr, row in enumerate(rows))),
         _array("Number", "numbers_from", (f"{{{vr}, {instead}}}" for vr, instead in rules.numbers())),
         _array("Refusal", "refusals", (f"{{{_condition(r.literals)}, {r.variable}, {_text(r.text)}}}" for r in rules.refusals())),
+        _array("StartRule", "start_rules", [_start_rule(r) for r in rules.start_rules()] or [NO_START_RULE]),
         _array("Condition", "part_is_present", (_condition(literals) for literals in parts.values())),
         _array("char", "part_names", (_text(name) for name in parts), "][20"),
         _array("Literal", "unsupported", _unsupported(parts, variants)),

@@ -15,7 +15,7 @@ from cable_model.effects import BOX, CHAIN, EFFECTS, INSTEAD, PARAMETERS, STAGGE
 from cable_model.errors import ParameterError
 from cable_model.model import Model
 from cable_model.parameters import field_of
-from cable_model.rules import RULES
+from cable_model.rules import RULES, START_RULES
 from cable_model.scene import Scene, with_values
 from cable_model.signals import INPUTS
 from cable_model.simulated import ON_BOX, decides, grid_refusal, literals, refused_on, when, why
@@ -31,6 +31,19 @@ class Refusal:
     literals: Case
     variable: int
     text: str
+
+
+@dataclass(frozen=True)
+class AtStart:
+    """A rule of inputs at the start: variables, see rules.StartRule; `slack` < 0: none; the words about the number in "must be"."""
+
+    literals: Case
+    variable: int
+    other: int
+    slack: int
+    times: float
+    equal: bool
+    words: tuple[str, str]
 
 
 @dataclass(frozen=True)
@@ -79,6 +92,15 @@ class Rules:
             if name in self._place:
                 found += [Refusal(tuple(sorted(case)), self._place[name], text) for case in self._cases(condition, CHAIN)]
         return found
+
+    def start_rules(self) -> list[AtStart]:
+        """The rules of the inputs at the start."""
+        place = {row.scene_name or row.name: vr for vr, row in enumerate(self.rows)}
+        return [
+            AtStart(case, place[r.name], place[r.other], place.get(r.slack, -1), r.times, r.equal, r.words)
+            for r in START_RULES
+            for case in self._cases(r.when, self.model)
+        ]
 
     @staticmethod
     def _joined() -> Iterator[tuple[Condition, str, str]]:
