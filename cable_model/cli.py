@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -11,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cable_model import cli_docs, cli_studies
-from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, words_of
+from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, warn, words_of
 from cable_model.comparison import Difference, compare, remarks
 from cable_model.errors import ParameterError, SolverError, unknown
 from cable_model.kernel_cache import mended
@@ -20,7 +21,7 @@ from cable_model.models import MODELS
 from cable_model.motion import MotionLike, top_motion
 from cable_model.scene import Scene, shipped, with_values
 from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
-from cable_model.simulation import CsvRows, Result, read_csv, simulate, write_csv
+from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simulate, write_csv
 
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, rich_markup_mode=None, help="Underwater and hanging cables under a moving top end."
@@ -39,12 +40,15 @@ class Choice(StrEnum):
 def run_with_progress(model: Model, csv: Path | None = None) -> Result:
     """Run a model's scene with a progress bar; rows go to `csv` as they come, so that a failed run keeps them."""
     scene = model.scene
-    with progress() as bar:
+    with progress() as bar, CsvRows(csv) if csv is not None else contextlib.nullcontext() as keep:
         task = bar.add_task(f"{type(model).__name__}: {scene.title}", total=scene.run.duration)
-        if csv is None:
-            return simulate(model, progress=lambda t: bar.update(task, completed=t))
-        with CsvRows(csv) as keep:
-            return simulate(model, progress=lambda t: bar.update(task, completed=t), keep=keep)
+        try:
+            result = simulate(model, progress=lambda t: bar.update(task, completed=t), keep=keep)
+        except RunStopped as stopped:
+            warn(stopped.result.warnings)
+            raise
+        warn(result.warnings)
+    return result
 
 
 def _models(choice: Choice | None, scene: Scene) -> list[str]:

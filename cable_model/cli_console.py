@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NoReturn
 
@@ -27,6 +28,12 @@ _REMEDIES = {
 def say(text: str, style: str = "") -> None:
     """A line, not broken at the width of the terminal."""
     console.print(text, style=style or None, soft_wrap=True)
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Each as a line on stderr: what was asked for is not disturbed."""
+    for text in texts:
+        Console(stderr=True, markup=False, emoji=False).print(f"warning: {text}", style="yellow", soft_wrap=True)
 
 
 def progress() -> Progress:

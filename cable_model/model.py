@@ -8,6 +8,7 @@ from types import ModuleType
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
+from cable_model.doubts import doubts
 from cable_model.errors import SolverError, refuse
 from cable_model.kernels import header
 from cable_model.scene import Scene
@@ -81,6 +82,10 @@ class Model:
         self._check_start(inputs)
         self.state[:] = 0.0
         self._must(self._calls.start(float(time), inputs), time)
+
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about a run from the outputs at hand, to be asked for after `initialize`."""
+        return doubts(self.scene, self.name, self.outputs.tolist())
 
     def _check_start(self, inputs: np.ndarray) -> None:
         """Refuse a top that does not go with the scene."""

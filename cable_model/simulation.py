@@ -18,11 +18,15 @@ from cable_model.signals import INPUTS, OUTPUTS
 
 @dataclass(frozen=True)
 class Result:
-    """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3)."""
+    """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
+
+    `warnings` say what is doubtful about it.
+    """
 
     columns: tuple[str, ...]
     table: np.ndarray
     shapes: np.ndarray
+    warnings: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.table[:, self.columns.index(name)]
@@ -129,6 +133,7 @@ def simulate(
 
     start = motion(0.0, 1)
     model.initialize(start)
+    warnings = model.warnings()
     record(0.0, start)
     try:
         for output in output_steps(duration, step):
@@ -137,5 +142,5 @@ def simulate(
             if progress is not None:
                 progress(output.end)
     except SolverError as error:
-        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes))) from error
-    return Result(COLUMNS, np.array(rows), np.array(shapes))
+        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), warnings)) from error
+    return Result(COLUMNS, np.array(rows), np.array(shapes), warnings)

@@ -137,6 +137,8 @@ class CableSlave(Fmi2Slave):
         self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
         self._phase = Phase.RUNNING
         self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
+        for doubt in () if self._model is None else self._model.warnings():
+            self.log(doubt, Fmi2Status.warning)
         if self._model is not None and (why := self.object_code.refusal(self._model)):
             self.log(f"numba compiled the kernels: {why}")
 

@@ -1,0 +1,88 @@
+"""What is doubtful about a run: warnings of one form, `<what was seen, with both numbers>: <what it means>. <what to do>`.
+
+They never change a number.  What must not happen at all is an error, see rules.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from cable_model import tables
+from cable_model.effects import BY_NAME, CHAIN
+from cable_model.signals import OUTPUTS
+from cable_model.simulated import is_on
+
+NEUTRAL = 1e-6  # share of the dry weight below which a weight in water is one of rounding and of measured densities
+FEWEST_STEPS = 20  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
+LONGEST_PHASE = 1.0  # rad of a wave in a cell: 26 graded nodes have it in the eighth mode of a hanging chain, whose frequency errs by 0.2 %
+LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
+FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
+
+
+def forcing(scene: Any, axes: str = "xyz") -> float:
+    """The highest angular frequency of the top's sinusoids along some axes, and of the waves that are felt, rad/s; 0 without any."""
+    moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
+    found = [part.angular_frequency for part in moving]
+    rows = tables.waves(scene) if is_on(BY_NAME["waves"], scene, CHAIN) else None
+    if rows is not None:
+        rows = rows[np.argsort(rows[:, 1])]
+        variance = np.cumsum((rows[:, 0] * rows[:, 1]) ** 2)
+        found.append(float(rows[np.searchsorted(variance, FELT * variance[-1]), 1]))
+    return max(found, default=0.0)
+
+
+def before_the_run(scene: Any, model: str) -> Iterator[str]:
+    """What a scene alone makes doubtful."""
+    cable, body, gravity = scene.cable, scene.body, scene.environment.gravity
+    density = scene.water.density if scene.water is not None else 0.0
+    dry = (cable.mass_per_length * cable.length + body.mass) * gravity
+    weight = abs(cable.mass_per_length - density * cable.displaced_area) * cable.length + abs(body.mass - density * body.volume)
+    weight *= gravity
+    held = is_on(BY_NAME["anchor"], scene, model) or is_on(BY_NAME["current"], scene, model)
+    if weight <= NEUTRAL * dry and not held:
+        yield (
+            f"weight in water = {weight:.3g} N of a dry weight of {dry:.4g} N: there is no unique rest position, and rounding decides "
+            "where the run starts. Give cable or body some weight, or a current."
+        )
+    step, omega = min(scene.solver.time_step, scene.run.output_step), forcing(scene)
+    if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
+        period = 2.0 * math.pi / omega
+        yield (
+            f"time step = {step:.3g} s under a forcing of {period:.3g} s: {period / step:.3g} steps a period leave errors of about "
+            f"{100.0 * (omega * step) ** 2 / 12.0:.2g} % in phase. Set solver.time_step = {period / FEWEST_STEPS:.2g}, or solver.tolerance."
+        )
+
+
+def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[str]:
+    """What the static equilibrium, whose outputs these are, makes doubtful."""
+    cable = scene.cable
+    tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
+    strain = tensions[1] / cable.axial_stiffness
+    if strain > LARGEST_STRAIN and not cable.stiffness_curve and not is_on(BY_NAME["inextensible"], scene, model):
+        yield (
+            f"strain = {strain:.3g} under {tensions[1]:.4g} N, beyond {LARGEST_STRAIN:g}: few cables have it, and none keeps its diameter. "
+            "Check the unit of cable.axial_stiffness (N)."
+        )
+    if model != CHAIN:
+        return
+    water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
+    mean = max(0.5 * (tensions[0] + tensions[1]), 1e-3 * tensions[1])
+    across = math.sqrt(mean / (cable.mass_per_length + water)) if mean > 0.0 else math.inf
+    along = math.sqrt(cable.axial_stiffness / cable.mass_per_length)
+    cells = scene.solver.nodes - 1
+    for words, omega, speed in (("across", forcing(scene, "xy"), across), ("along", forcing(scene, "z"), along)):
+        phase = omega * cable.length / speed / cells
+        if phase > LONGEST_PHASE:
+            yield (
+                f"cells = {cable.length / cells:.3g} m for waves {words} the cable of {2.0 * math.pi * speed / omega:.3g} m: they are not "
+                f"resolved. Set solver.nodes = {math.ceil(phase / LONGEST_PHASE * cells) + 1}."
+            )
+
+
+def doubts(scene: Any, model: str, outputs: Sequence[float]) -> tuple[str, ...]:
+    """All warnings of a run that starts with these outputs, in the order of signals.OUTPUTS."""
+    return (*before_the_run(scene, model), *at_the_start(scene, model, outputs))
