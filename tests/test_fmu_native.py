@@ -15,13 +15,13 @@ from fmu_support import FMICallException, Fmu, Instance, assert_same, started, s
 from native_support import KEYS, lean, library_of, only_where_they_run, values_of
 from test_fmu_input import STEP
 
-from cable_model.effects import PARAMETERS, effects, one_line
+from cable_model.effects import PARAMETERS
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.scene import Scene, load, with_values
 from cable_model.signals import INPUTS, OUTPUTS
-from cable_model.simulated import numbers_of, parts_of
+from cable_model.simulated import effects, numbers_of, one_line, parts_of
 from fmu_src.entries import ABSENT, PRESENT
 from fmu_src.interface import generic_scene, scene_from_values, table
 from fmu_src.native import build, object_code
