@@ -10,6 +10,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import Cable, body_weight
 from cable_model.kernels.staggered_step import Problem, with_tolerance
+from cable_model.kernels.vector import copy_to
 
 STATIC_STEPS = 100
 
@@ -122,7 +123,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, ancho
             if step < 1e-9 * period:
                 return header.NO_EQUILIBRIUM
             continue
-        y[:, :] = y1
+        copy_to(y, y1)
         y[:, cu : cu + 2] = 0.0
         if step >= 1e5 * period and status <= 2:
             return header.OK
@@ -151,7 +152,7 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, top, veloc
     contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
-    yd[:, :] = yd1
+    copy_to(yd, yd1)
     return header.OK
 
 

@@ -231,3 +231,11 @@ def inverse(m):
         d * c1, d * (m[0] * m[8] - m[2] * m[6]), d * (m[2] * m[3] - m[0] * m[5]),
         d * c2, d * (m[1] * m[6] - m[0] * m[7]), d * (m[0] * m[4] - m[1] * m[3]),
     )  # fmt: skip
+
+
+@kernel
+def copy_to(y, x):
+    """y = x, for arrays (n, D)."""
+    for i in range(y.shape[0]):
+        for k in range(y.shape[1]):
+            y[i, k] = x[i, k]
