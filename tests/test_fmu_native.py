@@ -15,6 +15,7 @@ from fmu_support import FMICallException, Fmu, Instance, assert_same, started, s
 from native_support import KEYS, lean, library_of, only_where_they_run, values_of
 from test_fmu_input import STEP
 
+from cable_model.condition import Literal
 from cable_model.effects import PARAMETERS
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
@@ -25,7 +26,7 @@ from cable_model.simulated import effects, numbers_of, one_line, parts_of
 from fmu_src.entries import ABSENT, PRESENT
 from fmu_src.interface import generic_scene, scene_from_values, table
 from fmu_src.native import build, object_code
-from fmu_src.native.rules import Literal, Rules
+from fmu_src.native.rules import Rules
 
 STEPS = 20 if numba.config.DISABLE_JIT else 300
 SCENES = [("chain", "hanging_chain"), ("chain", "towed_body"), ("tow", "dale_sphere"), ("tow", "towed_body")]
