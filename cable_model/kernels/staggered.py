@@ -40,6 +40,7 @@ from cable_model.kernels.vector import (
     zero,
 )
 
+FADING = -2  # column of the cells: the share of the slack damping that acts
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
 
 
@@ -119,8 +120,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     eliminates it after the velocity below, so that EA, however large, never swamps the inertia in a sum.
     Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
-    cells (>=n-1, 3D+4), a row each: the tension, its change c at fixed velocities (written), the averaged stretch, the unit
-    tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the shortfall.
+    cells (>=n-1, 3D+5), a row each: the tension, its change c at fixed velocities (written), the averaged stretch, the unit
+    tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the share of the slack
+    damping, the shortfall.
     contact (n, .): the table of seabed.py, likewise.
     """
     cable, medium, body, numeric, ground = problem.cable, problem.medium, problem.body, problem.numeric, problem.ground
@@ -147,7 +149,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         dv = scale(1.0 / h, sub(v_up, v_low))
         rate = dot(dv, t)
         arc -= h
-        damping = numeric.voigt + numeric.damping * h
+        damping = numeric.voigt + numeric.damping * h * cells[i, FADING]
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
         f, stiffness = elastic(parts.curve, cable.stiffness, strain)
         strain_rate = rate - _lengthening(parts.winch, gains, stretch)

@@ -12,8 +12,8 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.seabed import start_contacts, update_contacts
-from cable_model.kernels.slack import step_tension, width
-from cable_model.kernels.staggered import assemble, prescribe_ends
+from cable_model.kernels.slack import fading, step_tension, width
+from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
@@ -91,21 +91,21 @@ class Scratch(NamedTuple):
 
 @kernel
 def scratch_size(n, dimension):
-    return n * (7 * dimension + 5 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
+    return n * (7 * dimension + 6 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
 
 
 @views
 def cut_scratch(work, n, like):
     d = len(like)
     m = n * d
-    o = 4 * m + 5 * m * d + n * (3 * d + 5)
+    o = 4 * m + 5 * m * d + n * (3 * d + 6)
     return Scratch(
         work[0:m].reshape((n, d)),
         work[m : 2 * m].reshape((n, d)),
         work[2 * m : 3 * m].reshape((n, d)),
         work[3 * m : 4 * m].reshape((n, d)),
         work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
-        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 4)].reshape((n, 3 * d + 4)),
+        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 5)].reshape((n, 3 * d + 5)),
         work[o - n : o],
         work[o : o + n * CONTACT_COLUMNS].reshape((n, CONTACT_COLUMNS)),
     )
@@ -143,6 +143,7 @@ def newton_step(
     for i in range(n - 1):
         s.cells[i, 0] = _ahead(parts.slack, force[i], reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
+    _fade(parts.slack, problem.numeric, mesh, s)
     _forget_slack(parts.slack, problem, mesh, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     start_contacts(parts.seabed, problem.ground, mesh, y0, n - 1, h, like, s.contact)
@@ -176,6 +177,15 @@ def _ahead(slack, tension, rise):
     if slack is None:
         return tension + rise
     return max(tension + rise, 0.5 * tension)
+
+
+@kernel
+def _fade(slack, numeric, mesh, s):
+    """Shares of the slack damping at the tensions that are foretold."""
+    below = numeric.hung
+    for i in range(mesh.shape[0]):
+        below += numeric.own * mesh[i, 0]
+        s.cells[i, FADING] = fading(slack, s.cells[i, 0], below)
 
 
 @kernel
