@@ -141,7 +141,11 @@ def energy(model: CableChain) -> float:
     f = table.cable.axial_stiffness * (stretch - 1.0)
     w0 = table.solver.slack_smoothing * (abs(weight) * table.cable.length + abs(body_weight))
     w0 = np.minimum(w0, abs(body_weight) + abs(weight) * h)  # a cell's is no more than what body and cell weigh
+    held = 2.0 * table.cable.bending_stiffness / h**2 * (not table.cable.compressible)  # the law is that of T + 2 EI/h^2
+    lost = h * held * (stretch - 1.0 + held / (2.0 * table.cable.axial_stiffness))
+    f = f + held
     strain = np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * table.cable.axial_stiffness)
+    strain -= np.sum(lost)
     between = (1.0 - split[:-1]) * h[:-1] + split[1:] * h[1:]
     bending = np.sum(table.cable.bending_stiffness * np.sum(np.diff(q, axis=0) ** 2, axis=1) / (2.0 * between))
     return float(kinetic + potential + strain + bending)

@@ -10,7 +10,7 @@ from cable_model.kernels import seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
-from cable_model.kernels.staggered import assemble, prescribe_ends
+from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
 from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
 from cable_model.parameters import INTEGRATORS
 
@@ -58,6 +58,7 @@ class Step:
         seabed.start_contacts(
             self.model.parts.seabed, self.problem.ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, self.now.scratch.contact
         )
+        self.fading = rng.uniform(0.0, 1.0, self.n - 1)  # shares of the slack damping
         self.contacts = self.now.scratch.contact[:, seabed.FORCE].copy()
 
     def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -67,6 +68,7 @@ class Step:
         y1 = self.y0.copy()
         y1[self.n :] = v1
         s.cells[: self.n - 1, 0] = force
+        s.cells[: self.n - 1, FADING] = self.fading
         s.contact[:, seabed.FORCE] = self.contacts
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)

@@ -66,8 +66,11 @@ class Ledger:
         f = cable.axial_stiffness * (stretch - 1.0)
         if cable.compressible:
             return float(np.sum(h * f * f) / (2.0 * cable.axial_stiffness))
+        held = 0.0 if self.model.parts.bending is None else 2.0 * cable.bending_stiffness / (h * h)  # T_c of slack.py
+        lost = h * held * (stretch - 1.0) + h * held * held / (2.0 * cable.axial_stiffness)  # what it takes from the law of f + T_c
+        f = f + held
         w0 = np.maximum(np.minimum(self.numeric.smoothing, self.numeric.hung + self.numeric.own * h), 1e-300)  # of slack.py
-        return float(np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * cable.axial_stiffness))
+        return float(np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * cable.axial_stiffness) - np.sum(lost))
 
     def _bending(self, h: np.ndarray, split: np.ndarray, q: np.ndarray) -> float:
         between = (1.0 - split[:-1]) * h[:-1] + split[1:] * h[1:]

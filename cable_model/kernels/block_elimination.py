@@ -113,7 +113,7 @@ def solve(far, anchor, bands, x, cells, n, like):
     """Solve in place; node n-1 is prescribed, its change zero.
 
     `bands` (5, n, D*D), the rows' bands -2 ... 2, is overwritten; `x` (n, D) is the right side, then the solution.
-    `cells` (n-1, 3D+4) holds c in column 1, then T; t from column 3 on; b from 3+D on, then e; o from 3+2D on.
+    `cells` (n-1, 3D+5) holds c in column 1, then T; t from column 3 on; b from 3+D on, then e; o from 3+2D on.
     """
     width = len(like)
     for i in range(n - 1):

@@ -157,8 +157,8 @@ def _try_step(parts, p, problem, view, state, c, time, span, path, done, h, tiny
 
 
 @kernel
-def _accept(parts, view, h, tiny):
-    grid.keep(parts.box, view)
+def _accept(parts, problem, view, h, tiny):
+    grid.keep(parts.box, parts, problem, view)
     size = view.y.size
     y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
@@ -292,7 +292,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[0].solver.time_step, max(used * growth, kept, SMALLEST_STEP * p[0].solver.time_step))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(parts, view, used, used < tiny)
+        _accept(parts, problem, view, used, used < tiny)
         state[header.STEP] = used
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status

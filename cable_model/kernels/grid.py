@@ -140,15 +140,15 @@ change_length = by_presence(_staggered_length, _box_length)  # winches are refus
 
 
 @kernel
-def _staggered_keep(box, view):
+def _staggered_keep(box, parts, problem, view):
     """The tensions that the last Newton iteration found."""
     for i in range(view.force.shape[0]):
         view.force_old[i] = view.force[i]
-    staggered_step.keep_tensions(view.force, view.scratch)
+    staggered_step.keep_tensions(parts, problem.numeric, view.mesh, view.force, view.scratch)
 
 
 @kernel
-def _box_keep(box, view):
+def _box_keep(box, parts, problem, view):
     """The state before the step: rates of the box grid's algebraic unknowns ring, and would predict badly."""
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
@@ -209,14 +209,14 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
-    staggered_chain.tensions_now(parts.slack, problem, mesh, view.y, view.force, view.force_old, c.alpha_k, top, view.scratch.cells)
+    staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, c.alpha_k, top, view.scratch.cells)
     largest = 0.0
     smallest = 1e300
     slack = 0.0
     length = 0.0
     position = top
     for i in range(n - 2, -1, -1):
-        t = view.scratch.cells[i, 0]
+        t = staggered_chain.axial_force(parts, problem.numeric, mesh, view.y, i, top, view.scratch)
         largest = max(largest, t)
         smallest = min(smallest, t)
         if t < 1e-3 * total_weight(parts, p):

@@ -3,9 +3,21 @@
 Tension is an unknown of its own, T.  With f = EA e + C e' (or another rising law of e and e') the law without compression is
 T = (f + sqrt(f^2 + w0^2))/2; its inverse, f = T - w0^2/(4 T) with T > 0, is the barrier form of an interior-point method, on which
 Newton's method does not see the kink.  It is monotone in e', so damping only dissipates.
+
+With bending the law is that of T + T_c, T_c = HELD EI/h^2: a cell may be pressed, as a beam is that is shorter than its buckling length.
+Its axial force is N = T + EI kappa^2 (see `staggered.bent`), so in a loop T < 0 where N > 0, and a law that held T >= 0 would
+shorten the cells.  Cells in a zig-zag buckle at T = -4 EI/h^2, a flat fold is in equilibrium at -2 EI/h^2.  With EI -> 0 it is the law above.
+
+The law's own damping, without which what is slack chatters, fades out as a cell becomes taut: C = C0 h phi(T), phi = 1 for T <= 0,
+1 - 3 y^2 + 2 y^3 with y = T/(FADED times the weight that hangs below) up to y = 1, and 0 beyond.  T is there the tension that the last two
+steps foretell: of second order in the step, and a number within it, so that C >= 0 dissipates.  As a function of the strain phi would
+fall within a strain of FADED W/EA, where C e' is much more than W in a stiff cable: Newton's method had to find its way in that fall.
 """
 
 from cable_model.kernels.jit import kernel
+
+HELD = 2.0  # T_c over EI/h^2: half of what buckles the mesh from cell to cell, so that no shape that the mesh resolves reaches the floor
+FADED = 0.2  # of the weight below, all of which a cable carries where it hangs at rest: nearly slack is what has lost most of it
 
 
 @kernel
@@ -15,6 +27,21 @@ def width(numeric, h):
     At a free end the tension falls below any share of the whole weight; a law that is soft there would rule the smallest cells.
     """
     return min(numeric.smoothing, numeric.hung + numeric.own * h)
+
+
+@kernel
+def floor(parts, numeric, h):
+    """T_c, the compression that bending holds a cell of length h against, N."""
+    if parts.bending is None:
+        return 0.0
+    return _held(parts.slack, numeric.bending, h)
+
+
+@kernel
+def _held(slack, bending, h):
+    if slack is None:
+        return 0.0
+    return HELD * bending / (h * h)
 
 
 @kernel
@@ -37,6 +64,15 @@ def elastic(curve, stiffness, strain):
     c2 = 3.0 * rise - 2.0 * c1 - curve[i, 2] * width
     c3 = c1 + curve[i, 2] * width - 2.0 * rise
     return curve[i - 1, 1] + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
+
+
+@kernel
+def fading(slack, tension, below):
+    """phi, the share of the slack damping that acts at a tension; `below` is the weight that hangs below the cell's upper end, N."""
+    if slack is None:
+        return 0.0
+    y = min(max(tension / (FADED * below), 0.0), 1.0)
+    return 1.0 - y * y * (3.0 - 2.0 * y)
 
 
 @kernel

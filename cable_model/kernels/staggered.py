@@ -16,7 +16,7 @@ from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
-from cable_model.kernels.slack import constitutive, elastic, iterate, shortfall, width, with_quadratic_damping
+from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -40,6 +40,7 @@ from cable_model.kernels.vector import (
     zero,
 )
 
+FADING = -2  # column of the cells: the share of the slack damping that acts
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
 
 
@@ -119,8 +120,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     eliminates it after the velocity below, so that EA, however large, never swamps the inertia in a sum.
     Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
-    cells (>=n-1, 3D+4), a row each: the tension, its change c at fixed velocities (written), the averaged stretch, the unit
-    tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the shortfall.
+    cells (>=n-1, 3D+5), a row each: the tension of the slack law, T + T_c, its change c at fixed velocities (written), the averaged stretch, the unit
+    tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the share of the slack
+    damping, the shortfall.
     contact (n, .): the table of seabed.py, likewise.
     """
     cable, medium, body, numeric, ground = problem.cable, problem.medium, problem.body, problem.numeric, problem.ground
@@ -147,13 +149,15 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         dv = scale(1.0 / h, sub(v_up, v_low))
         rate = dot(dv, t)
         arc -= h
-        damping = numeric.voigt + numeric.damping * h
+        damping = numeric.voigt + numeric.damping * h * cells[i, FADING]
         strain = stretch - 1.0 + shortfall(parts.slack, cells, i)
         f, stiffness = elastic(parts.curve, cable.stiffness, strain)
         strain_rate = rate - _lengthening(parts.winch, gains, stretch)
         f += damping * strain_rate
         f, damping = with_quadratic_damping(parts.quadratic_damping, problem.numbers, strain_rate, f, damping)
         w0 = width(numeric, h)
+        held = floor(parts, numeric, h)
+        f += held
         force = iterate(parts.slack, w0, f, cells[i, 0])
         cells[i, 0] = force
         slope, misfit = constitutive(parts.slack, w0, f, force)
@@ -161,8 +165,8 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         along = mix(slope * gains.q * stiffness / h, t_new, slope * gains.v * damping / h, t)
         along = axpy(slope * gains.q * damping * inv / h, axpy(-rate, t_new, dv), along)
         thrown, low_wound, up_wound, low_rate, up_rate = wound(parts.winch, gains, cable.mass, h, split, arc + split * h, qi, dv)
-        pull = axpy(-thrown, qi, scale(force, t))
-        firm = force * inv * gains.q / h
+        pull = axpy(-thrown, qi, scale(force - held, t))
+        firm = (force - held) * inv * gains.q / h
         k = add_matrix(diagonal(firm - thrown * gains.q / h, like), scale_matrix(-firm, outer(t, t_new)))
         low = mix(split - SHARE, a_low, SHARE, a_up)
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
@@ -280,6 +284,21 @@ def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
         _add_diagonal(bands, 0, j + 1, k * above * below, like)
         _add_diagonal(bands, 1, j + 1, k * above * middle, like)
         _add_diagonal(bands, 2, j + 1, k * above * above, like)
+
+
+@kernel
+def bent(bending, stiffness, mesh, q, i, like):
+    """What bending adds to the axial force of cell i, t.g/h, N: N = T + EI kappa^2 in the limit of small cells."""
+    if bending is None:
+        return 0.0
+    middle = load(q, i, like)
+    gradient = zero(like)
+    for j in (i, i + 1):  # the inner nodes below and above the cell
+        if 0 < j < mesh.shape[0]:
+            other = load(q, 2 * j - 1 - i, like)
+            between = (1.0 - mesh[j - 1, 1]) * mesh[j - 1, 0] + mesh[j, 1] * mesh[j, 0]
+            gradient = axpy(stiffness / between, sub(middle, other), gradient)
+    return dot(gradient, middle) / (norm(middle) * mesh[i, 0])
 
 
 @kernel

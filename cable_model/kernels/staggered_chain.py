@@ -7,12 +7,16 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
-from cable_model.kernels.slack import width
-from cable_model.kernels.staggered import add_seabed, assemble, lower_end_terms
-from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_tolerance
+from cable_model.kernels.slack import floor, width
+from cable_model.kernels.staggered import add_seabed, assemble, bent, lower_end_terms
+from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_bending, with_tolerance
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
+FIRST_BENDING = 1e-3  # of W h^2: bending that moves no node of the hanging chain by much of a cell
+BENDING_FACTOR = 4.0  # the next bending stiffness over one whose equilibrium is found
+SETTLED = 10.0  # sqrt(L/g): a pseudo-step that long, with few iterations, is an equilibrium near enough to go on from
+FEW_ITERATIONS = 5
 
 
 @kernel
@@ -93,7 +97,11 @@ def unwound(problem):
 
 @kernel
 def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top, anchor, time, s):
-    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps."""
+    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps.
+
+    A loop with bending may be in equilibrium in several shapes.  Found is the one that the hanging chain reaches as EI grows from next to
+    nothing to its value: a large step at once may end in another, or in a fold between two cells.
+    """
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
     _first_guess(anchor, problem, weight, mesh, y, force, top)
@@ -106,8 +114,11 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
+    goal = problem.numeric.bending
+    stiff = _first_bending(parts.bending, weight, problem, n - 1)
     for _ in range(STATIC_STEPS):
         to_place = with_tolerance(problem, 1e-10 * problem.cable.length / step, 0.0)  # positions to 1e-10 of the length
+        to_place = with_bending(to_place, stiff)
         contraction[0] = 0.0  # steps differ too much to learn from one another
         status = newton_step(
             parts, to_place, mesh, y, yd, yd, backward, time, step, top, still, unwound(problem), contraction, y1, yd1, force, force, 0.0, s
@@ -117,13 +128,25 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top
             if step < 1e-9 * period:
                 return header.NO_EQUILIBRIUM
             continue
-        keep_tensions(force, s)
+        keep_tensions(parts, to_place.numeric, mesh, force, s)
         for i in range(n - 1):
             store(y, i, load(y1, i, top))
-        if step >= 1e5 * period and status <= 4:
+        if stiff < goal and step >= SETTLED * period and status <= FEW_ITERATIONS:
+            stiff = min(goal, BENDING_FACTOR * stiff)
+            step = period
+            continue
+        if stiff >= goal and step >= 1e5 * period and status <= 4:
             return header.OK
         step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
+
+
+@kernel
+def _first_bending(bending, weight, problem, cells):
+    if bending is None:
+        return problem.numeric.bending
+    cell = problem.cable.length / cells
+    return min(problem.numeric.bending, FIRST_BENDING * weight * cell * cell)
 
 
 @kernel
@@ -144,25 +167,31 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top
     contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
-    keep_tensions(force, s)
+    keep_tensions(parts, problem.numeric, mesh, force, s)
     for i in range(2 * n):
         store(yd, i, load(yd1, i, top))
     return header.OK
 
 
 @kernel
-def tensions_now(slack, problem, mesh, y, force, force_old, ahead, top, cells):
-    """Tensions at the new time into cells[:, 0], from those at the averaged times of the last two steps.
+def tensions_now(parts, problem, mesh, y, force, force_old, ahead, top, cells):
+    """Tensions at the new time, T + T_c, into cells[:, 0], from those at the averaged times of the last two steps.
 
     They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
     """
     for i in range(force.shape[0]):
-        cells[i, 0] = force[i] + ahead * (force[i] - force_old[i])
-        if slack is not None:
+        cells[i, 0] = force[i] + ahead * (force[i] - force_old[i]) + floor(parts, problem.numeric, mesh[i, 0])
+        if parts.slack is not None:
             cells[i, 0] = max(cells[i, 0], 1e-9 * width(problem.numeric, mesh[i, 0]))
         q = load(y, i, top)
         cells[i, 2] = norm(q)
         store_from(cells, i, 3, scale(1.0 / cells[i, 2], q))
+
+
+@kernel
+def axial_force(parts, numeric, mesh, y, i, like, s):
+    """N of cell i: its tension and what bending adds; cells[:, 0] holds the tensions T + T_c."""
+    return s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]) + bent(parts.bending, numeric.bending, mesh, y, i, like)
 
 
 @kernel
@@ -182,7 +211,7 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     q = load(y, 0, position)
     t = scale(1.0 / norm(q), q)
     if present is None:
-        return s.cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
+        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)

@@ -12,8 +12,8 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.seabed import start_contacts, update_contacts
-from cable_model.kernels.slack import step_tension, width
-from cable_model.kernels.staggered import assemble, prescribe_ends
+from cable_model.kernels.slack import fading, floor, step_tension, width
+from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
@@ -56,6 +56,14 @@ def with_tolerance(problem, tolerance, rounding):
     return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
+@kernel
+def with_bending(problem, bending):
+    """The same problem with another bending stiffness, N m2."""
+    old = problem.numeric
+    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, bending, old.pull, old.tolerance, old.rounding)
+    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
+
+
 class Winding(NamedTuple):
     """How the cable's length changes at the averaged time."""
 
@@ -91,21 +99,21 @@ class Scratch(NamedTuple):
 
 @kernel
 def scratch_size(n, dimension):
-    return n * (7 * dimension + 5 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
+    return n * (7 * dimension + 6 + CONTACT_COLUMNS) + 5 * n * dimension * dimension
 
 
 @views
 def cut_scratch(work, n, like):
     d = len(like)
     m = n * d
-    o = 4 * m + 5 * m * d + n * (3 * d + 5)
+    o = 4 * m + 5 * m * d + n * (3 * d + 6)
     return Scratch(
         work[0:m].reshape((n, d)),
         work[m : 2 * m].reshape((n, d)),
         work[2 * m : 3 * m].reshape((n, d)),
         work[3 * m : 4 * m].reshape((n, d)),
         work[4 * m : 4 * m + 5 * m * d].reshape((5, n, d * d)),
-        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 4)].reshape((n, 3 * d + 4)),
+        work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 5)].reshape((n, 3 * d + 5)),
         work[o - n : o],
         work[o : o + n * CONTACT_COLUMNS].reshape((n, CONTACT_COLUMNS)),
     )
@@ -120,7 +128,7 @@ def newton_step(
     `yd0` is already corrected for a changed step; with `ydd`, its rate of change, it predicts.  `time` and `top` are those at the
     averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `contraction` (1,) is that of
     convergence.py.  The first guess of the tensions (n-1) leads from `force_old` over `force` on by `reach`, the ratio of the steps;
-    the new ones are left in s.cells[:, 0].
+    the new ones are left in s.cells[:, 0], with T_c of slack.py.
     """
     n = mesh.shape[0] + 1
     like = top
@@ -141,9 +149,10 @@ def newton_step(
     store(y1, 2 * n - 1, top_velocity)
     _hold_anchor(parts.anchor, y1, n, like)
     for i in range(n - 1):
-        s.cells[i, 0] = _ahead(parts.slack, force[i], reach * (force[i] - force_old[i]))
+        s.cells[i, 0] = _ahead(parts.slack, force[i] + floor(parts, problem.numeric, mesh[i, 0]), reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
-    _forget_slack(parts.slack, problem, mesh, c.alpha_k, s)
+    _fade(parts, problem.numeric, mesh, s)
+    _forget_slack(parts.slack, parts, problem, mesh, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     start_contacts(parts.seabed, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
@@ -179,7 +188,16 @@ def _ahead(slack, tension, rise):
 
 
 @kernel
-def _forget_slack(slack, problem, mesh, alpha_k, s):
+def _fade(parts, numeric, mesh, s):
+    """Shares of the slack damping at the tensions that are foretold."""
+    below = numeric.hung
+    for i in range(mesh.shape[0]):
+        below += numeric.own * mesh[i, 0]
+        s.cells[i, FADING] = fading(parts.slack, s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]), below)
+
+
+@kernel
+def _forget_slack(slack, parts, problem, mesh, alpha_k, s):
     """A cell that was slack counts as just straight in the averaged strain.
 
     Else it could overshoot unopposed until its average is taut, and so gain strain energy from nothing.
@@ -188,7 +206,8 @@ def _forget_slack(slack, problem, mesh, alpha_k, s):
         return
     last = s.cells.shape[1] - 1
     for i in range(mesh.shape[0]):
-        least = 1.0 - SLACK_MARGIN * width(problem.numeric, mesh[i, 0]) / problem.cable.stiffness
+        lost = floor(parts, problem.numeric, mesh[i, 0]) + SLACK_MARGIN * width(problem.numeric, mesh[i, 0])
+        least = 1.0 - lost / problem.cable.stiffness
         s.cells[i, last] = alpha_k * max(least - s.length[i], 0.0)
 
 
@@ -279,10 +298,10 @@ def change_length(mesh, y, yd, ydd, factor):
 
 
 @kernel
-def keep_tensions(force, s):
-    """Take over the tensions that the last Newton iteration found."""
+def keep_tensions(parts, numeric, mesh, force, s):
+    """Take over the tensions T that the last Newton iteration found."""
     for i in range(force.shape[0]):
-        force[i] = s.cells[i, 0]
+        force[i] = s.cells[i, 0] - floor(parts, numeric, mesh[i, 0])
 
 
 @kernel
