@@ -122,12 +122,20 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, ancho
             if step < 1e-9 * period:
                 return header.NO_EQUILIBRIUM
             continue
-        y[:, :] = y1
+        _copy(y1, y)
         y[:, cu : cu + 2] = 0.0
         if step >= 1e5 * period and status <= 2:
             return header.OK
         step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
+
+
+@kernel
+def _copy(source, target):
+    """Number by number: numba fears that the arrays overlap, and a copy between would be an allocation."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[i, j] = source[i, j]
 
 
 @kernel
@@ -151,7 +159,7 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, top, veloc
     contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
-    yd[:, :] = yd1
+    _copy(yd1, yd)
     return header.OK
 
 
