@@ -7,7 +7,7 @@ from tow_reference import DRY, NUMBERS, SHEAR, SLOW, WAVES, WET, Reference, circ
 
 from cable_model.effects import Parts, record
 from cable_model.errors import SolverError
-from cable_model.kernels import header, tow_step
+from cable_model.kernels import header, tow_step, tow_water
 from cable_model.kernels import tow as kernels
 
 VARIANTS = {
@@ -255,8 +255,8 @@ def test_the_diameter_at_the_reference_tension_is_the_given_one():
 def test_waves_are_free_of_divergence_and_the_printed_ones_are_not():
     def divergence(as_printed):
         d, parts = 1e-4, Parts(waves=WAVES, as_printed=as_printed)
-        x1 = kernels.wave_velocity(parts, 3.0 + d, 4.0, 1.0)[0] - kernels.wave_velocity(parts, 3.0 - d, 4.0, 1.0)[0]
-        y1 = kernels.wave_velocity(parts, 3.0, 4.0 + d, 1.0)[1] - kernels.wave_velocity(parts, 3.0, 4.0 - d, 1.0)[1]
+        x1 = tow_water.wave_flow(parts, 3.0 + d, 4.0, 1.0)[0] - tow_water.wave_flow(parts, 3.0 - d, 4.0, 1.0)[0]
+        y1 = tow_water.wave_flow(parts, 3.0, 4.0 + d, 1.0)[1] - tow_water.wave_flow(parts, 3.0, 4.0 - d, 1.0)[1]
         return (x1 + y1) / (2.0 * d), abs(x1) / (2.0 * d)
 
     gap, size = divergence(None)
@@ -269,7 +269,7 @@ def test_wangs_tangential_coefficient_multiplies_the_diameter():
     """[Wang 1971, eq 44] without a pi; half of a hoist's drag works on the stretch, its point being in the middle on average."""
     c = kernels.constants(WET, kernel_numbers({"tow.poisson_ratio": 0.0, "tow.reference_tension": 0.0}))
     hoist = (0.0, 0.0, 0.0, 0.0, -2.0, 0.0)
-    q_phi, q_u, fx, fy = kernels.cable_drag(True, Parts(), c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
+    q_phi, q_u, fx, fy = tow_water.cable_water(True, Parts(), c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
     assert fy == pytest.approx(0.5 * 1025.0 * 0.02 * 60.0 * 0.03 * 2.0**2, rel=1e-12)
     assert q_u == pytest.approx(0.5 * fy, rel=1e-12)
     assert (q_phi, fx) == (0.0, 0.0)

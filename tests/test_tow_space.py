@@ -119,7 +119,7 @@ def energies(c, top, swing, stretch, rate):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_power_balance_closes_at_any_state(variant):
-    """d(K + V_g)/dt = F.v_top + sum D.v - T u'; drag by its own statement here."""
+    """d(K + V_g)/dt = F.v_top + sum D.v - T u'; the water's forces by their own statement here."""
     changes, parts = VARIANTS[variant]
     c = plane.constants(parts, numbers(changes))
     p = NUMBERS | {"tow.body_angle": 18.0} | changes
@@ -139,11 +139,13 @@ def test_power_balance_closes_at_any_state(variant):
                 place = np.array(top[0]) + share * length * e
                 v = np.array(top[1]) + share * (ud * e + length * w)
                 flow = np.array([np.interp(place[2], SHEAR[:, 0], SHEAR[:, 1]), 0.0, 0.0])
+                rate = np.zeros(3)
                 for a, omega, k, direction, phase, _ in parts.waves if parts.waves is not None else ():
                     ahead = np.array([np.cos(direction), np.sin(direction), 0.0])
                     angle = k * place @ ahead - omega * 2.3 + phase
                     size = a * omega * np.exp(k * min(place[2], 0.0))
                     flow = flow + size * (np.cos(angle) * ahead + np.array([0.0, 0.0, np.sin(angle)]))
+                    rate = rate + omega * size * (np.sin(angle) * ahead - np.array([0.0, 0.0, np.cos(angle)]))
                 relative = flow - v
                 axis, cn, ct = (
                     e,
@@ -158,7 +160,13 @@ def test_power_balance_closes_at_any_state(variant):
                 drag = cn * np.linalg.norm(across) * across + ct * abs(along) * along * axis
                 if body and abs(p["tow.body_angle"]) > np.pi:
                     drag = p["body.drag_area"] * np.linalg.norm(relative) * relative
-                powers.append(0.5 * 1025.0 * weight * drag @ v)
+                displaced = 1025.0 * p["body.volume"] + np.array([p["body.added_mass"]] * 2 + [p["tow.added_mass_vertical"]])
+                push = displaced * rate
+                if not body:
+                    displaced = 1025.0 * np.pi / 4.0 * p["cable.diameter"] ** 2 * p["cable.length"] * weight
+                    added = c.added * (1.0 - c.contraction * u) ** 2 * length * weight
+                    push = displaced * rate + added * (rate - rate @ e * e)
+                powers.append((0.5 * 1025.0 * weight * drag + push) @ v)
         assert sum(powers) == pytest.approx(gain, abs=1e-11 * sum(map(abs, powers)))
 
 

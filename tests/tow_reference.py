@@ -105,8 +105,15 @@ class Reference:
                 vy -= size * np.sin(angle)
         return np.array([vx, vy])
 
+    def water_acceleration(self, place, time):
+        """Of the water in waves at a place (a steady current has none)."""
+        return self.water(*place, time + 1e-30j).imag / 1e-30
+
     def drags(self, top, time, motion):
-        """(force, velocity of its point, derivative of its point by phi and by u) of the body and of every segment."""
+        """(force, velocity of its point, derivative of its point by phi and by u) of the water on the body and on every segment.
+
+        Drag; and displaced mass times the water's acceleration, as in static buoyancy, added mass times its part across.
+        """
         phi, w, u, ud = motion
         length = self.l0 + u
         n, t = np.array([-np.cos(phi), -np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
@@ -123,7 +130,12 @@ class Reference:
             bn, bt = np.array([-np.cos(angle), -np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
             an, at = relative @ bn, relative @ bt
             force = 0.5 * self.rho * (q["body.drag_area"] * abs(an) * an * bn + q["tow.drag_area_axial"] * abs(at) * at * bt)
+        push = self.water_acceleration(xs + t * length, time)
+        masses = (q["body.added_mass"], q["tow.added_mass_vertical"])
+        force = force + (self.rho * q["body.volume"] + np.array(masses)) * push
         found = [(force, velocity, length * n, t)]
+        displaced = self.rho * np.pi / 4.0 * q["cable.diameter"] ** 2 * self.lr / int(q["tow.drag_segments"])
+        added = self.gamma * self.rho * np.pi / 4.0 * self.diameter(u) ** 2 * length / int(q["tow.drag_segments"])
         count = int(q["tow.drag_segments"])
         for i in range(count):
             share = (i + 0.5) / count
@@ -133,6 +145,8 @@ class Reference:
             wetted = 0.5 * self.rho * self.diameter(u) * length / count
             cn, ct = q["cable.normal_drag_coefficient"], q["cable.tangential_drag_coefficient"]
             force = wetted * (cn * abs(an) * an * n + ct * abs(at) * at * t)
+            push = self.water_acceleration(xs + t * length * share, time)
+            force = force + displaced * push + added * (push @ n) * n
             found.append((force, velocity, length * share * n, share * t))
         return found
 

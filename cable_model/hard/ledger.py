@@ -99,7 +99,7 @@ class Ledger:
         half = 0.5 * self.density * scene.cable.diameter * np.sqrt(stretch)
         pull = -half * scene.cable.normal_drag_coefficient * np.linalg.norm(un, axis=1, keepdims=True) * un
         pull -= half * scene.cable.tangential_drag_coefficient * np.linalg.norm(ut, axis=1, keepdims=True) * ut
-        pull += (self.added + self.density * self.displaced_area) * across(flow_rate)
+        pull += self.added * across(flow_rate) + self.density * self.displaced_area * flow_rate
         pull[:, -1] += self.density * self.displaced_area * self.gravity
         b = split[:, None]
         low = b * pull - self.added * across((b - SHARE) * a[:-1] + SHARE * a[1:])

@@ -33,9 +33,10 @@ def _flow(parts, s, c, u, v, x, z, reach, time):
 def cable_water(water, parts, medium, stretch, s, c, u, v, x, z, reach, time):
     """Water on the cable per unstretched length but for its added mass: ((f_t and its derivatives by eps, u, v, phi), (f_n ...)).
 
-    Drag by components along t and n; Froude-Krylov force and added mass from the water's own acceleration only, so that a
-    steady uniform current has none however the cable turns.  The change of that acceleration with place is left out of the
-    derivatives (it is of the order of the wave's steepness times the squared step).
+    Drag by components along t and n; displaced mass times the water's whole acceleration, as T is the effective tension, and added
+    mass times its part along n: its own acceleration only, so that a steady uniform current has none however the cable turns.
+    The change of that acceleration with place is left out of the derivatives (it is of the order of the wave's steepness times the
+    squared step).
     """
     if water is None:
         return (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
@@ -48,8 +49,15 @@ def cable_water(water, parts, medium, stretch, s, c, u, v, x, z, reach, time):
     dt = -2.0 * kt * abs(along[0])
     dn = -2.0 * kn * abs(across[0])
     pressed = medium.added_mass + medium.displaced_mass
+    displaced = medium.displaced_mass
     return (
-        (ft, 0.5 * ft / stretch, dt * along[1], dt * along[2], dt * along[3]),
+        (
+            ft + displaced * flow_rate[0],
+            0.5 * ft / stretch,
+            dt * along[1],
+            dt * along[2],
+            dt * along[3] + displaced * flow_rate[1],
+        ),
         (
             fn + pressed * flow_rate[1],
             0.5 * fn / stretch,

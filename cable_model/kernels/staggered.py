@@ -60,15 +60,16 @@ def _element_water(water, parts, medium, cable, h, split, q, position, speed, lo
     flow, flow_rate, flow_gradient = water_motion(parts, position, time)
     normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, outer(t, t)))
     inertia = add_matrix(inertia, scale_matrix(medium.added_mass, normal))
-    # normal inertia force per length on the shares: added mass times (a - a_w), minus displaced mass times a_w
-    pressed = scale(medium.added_mass + medium.displaced_mass, flow_rate)
-    low_load = axpy(medium.added_mass, low, scale(-split, pressed))
-    up_load = axpy(medium.added_mass, up, scale(split - 1.0, pressed))
+    # added mass times (a - a_w) per length on the shares: only its normal part counts, so it turns with the cable
+    low_load = scale(medium.added_mass, axpy(-split, flow_rate, low))
+    up_load = scale(medium.added_mass, axpy(split - 1.0, flow_rate, up))
     low_q = scale_matrix(-h / stretch, _turned(normal, low_load, t))
     up_q = scale_matrix(-h / stretch, _turned(normal, up_load, t))
-    # the added-mass share itself is in the inertia matrix: only the water's part is a load here
-    low_r = scale(-h * split, apply(normal, pressed))
-    up_r = scale(h * (split - 1.0), apply(normal, pressed))
+    # the cable's share of that is in the inertia matrix, the water's is a load; and the displaced mass feels all of a_w: T is the
+    # effective tension, which takes the pressure's axial part in full, dynamic as static
+    pressed = axpy(medium.displaced_mass, flow_rate, scale(medium.added_mass, apply(normal, flow_rate)))
+    low_r = scale(-h * split, pressed)
+    up_r = scale(h * (split - 1.0), pressed)
     drag, by_v, by_q = element_drag(medium, sub(speed, flow), t, stretch)
     low_r = axpy(-h * split, drag, low_r)
     up_r = axpy(h * (split - 1.0), drag, up_r)

@@ -7,11 +7,10 @@ lower end.  Equations of [Wang 1971] with its errors corrected; `as_printed` kee
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.fluid import current_velocity
 from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import body_part, cable_part, total_weight
-from cable_model.kernels.waves import wave_motion
+from cable_model.kernels.problem import body_part, cable_part, displaced_area, total_weight
+from cable_model.kernels.tow_water import added_masses, body_water, cable_water, turned
 
 ANGLE = HEADER  # phi
 ANGLE_RATE = HEADER + 1
@@ -36,12 +35,15 @@ class Tow(NamedTuple):
     mass_inertia: float  # M_c in A1 and A3
     added: float  # gamma rho pi d_0^2/4, kg/m, in the forces
     added_inertia: float  # the same in A1
+    displaced: float  # mass of water that the cable displaces, kg
     weight: float  # W_c in the medium
     normal_drag: float  # 1/2 rho C_D d_0
     tangential_drag: float  # 1/2 rho C_t d_0
     segments: int
     mass_x: float  # M_x, body and its added mass
     mass_y: float
+    pushed_x: float  # mass of water that the waves' acceleration pushes along with the body: displaced and added
+    pushed_y: float
     body_weight: float  # W_b in the medium
     body_drag: float  # 1/2 rho (C_D A)_n
     body_drag_axial: float  # 1/2 rho (C_D A)_t
@@ -85,13 +87,13 @@ def density_of(water, p):
 
 @kernel
 def body_masses(body, water, p):
-    """Virtual masses of the body for horizontal and vertical motion, its weight, and 1/2 rho C_D A across and along its axis."""
+    """Of the body: mass, added mass for horizontal and vertical motion, displaced mass, weight, 1/2 rho C_D A across and along its axis."""
     if body is None:
-        return 0.0, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     b = body_part(body, water, p)
     density = density_of(water, p)
     vertical = p[0].tow.added_mass_vertical if density > 0.0 else 0.0
-    return b.mass + b.added_mass, b.mass + vertical, b.weight, b.drag, 0.5 * density * p[0].tow.drag_area_axial
+    return b.mass, b.added_mass, vertical, b.displaced_mass, b.weight, b.drag, 0.5 * density * p[0].tow.drag_area_axial
 
 
 @kernel
@@ -117,7 +119,8 @@ def constants(parts, p):
     diameter = zero_tension_diameter(parts.as_printed, cable.diameter, contraction * stretch)
     mass = cable.mass * cable.length
     added = p[0].cable.added_mass_coefficient * density * 0.25 * math.pi * diameter * diameter
-    mass_x, mass_y, body_weight, drag, drag_axial = body_masses(parts.body, parts.water, p)
+    own, added_x, added_y, displaced, body_weight, drag, drag_axial = body_masses(parts.body, parts.water, p)
+    mass_x, mass_y = own + added_x, own + added_y
     inertia = kept_inertia(parts.cable_mass, parts.as_printed, mass)
     return Tow(
         cable.length,
@@ -130,12 +133,15 @@ def constants(parts, p):
         inertia,
         kept_mass(parts.cable_mass, added),
         kept_inertia(parts.cable_mass, parts.as_printed, added),
+        density * displaced_area(p) * cable.length,
         cable.weight * cable.length,
         0.5 * density * p[0].cable.normal_drag_coefficient * diameter,
         0.5 * density * p[0].cable.tangential_drag_coefficient * diameter,
         max(1, int(p[0].tow.drag_segments)),
         mass_x,
         mass_y,
+        displaced + added_x,
+        displaced + added_y,
         body_weight,
         drag,
         drag_axial,
@@ -146,92 +152,6 @@ def constants(parts, p):
         max(math.sqrt(abs(cable.gravity) / cable.length), 1e-3),
         math.sqrt(spring / max(min(mass_x, mass_y) + inertia / 3.0, 1e-300)),
     )
-
-
-@kernel
-def wave_velocity(parts, x, y, time):
-    """Orbital velocity of the waves in (x, y down); eq 26b of the report has the vertical one upside down."""
-    if parts.waves is None:
-        return 0.0, 0.0
-    v, _, _ = wave_motion(parts, (x, -y), time)
-    if parts.as_printed is None:
-        return v[0], -v[1]
-    return v[0], v[1]
-
-
-@kernel
-def water_velocity(parts, x, y, time):
-    flow, _ = current_velocity(parts.current, (x, -y))
-    vx, vy = wave_velocity(parts, x, y, time)
-    return flow[0] + vx, vy
-
-
-@kernel
-def tangential_weight(as_printed, middle):
-    """Virtual work of a segment's tangential drag on the stretch; eq 45 of the report leaves it out."""
-    if as_printed is None:
-        return middle
-    return 1.0
-
-
-@kernel
-def turned(x, y, sin, cos):
-    """Components along n = (-cos, -sin) and t = (-sin, cos), across and along the cable."""
-    return -x * cos - y * sin, -x * sin + y * cos
-
-
-@kernel
-def cable_drag(water, parts, c, top, time, motion):
-    """Generalized drag forces on phi and u, and the drag force (x, y down), of the whole cable [Wang 1971, eqs 38-45]."""
-    if water is None:
-        return 0.0, 0.0, 0.0, 0.0
-    phi, phi_rate, u, u_rate = motion
-    sin = math.sin(phi)
-    cos = math.cos(phi)
-    length = c.length + u
-    across_top, along_top = turned(top[1], top[4], sin, cos)
-    moment = 0.0
-    pull = 0.0
-    normal = 0.0
-    tangential = 0.0
-    for i in range(c.segments):
-        middle = (i + 0.5) / c.segments
-        s = middle * length
-        vx, vy = water_velocity(parts, top[0] - s * sin, top[3] + s * cos, time)
-        across, along = turned(vx, vy, sin, cos)
-        across -= across_top + s * phi_rate
-        along -= along_top + middle * u_rate
-        fn = abs(across) * across
-        ft = abs(along) * along
-        normal += fn
-        tangential += ft
-        moment += middle * fn
-        pull += tangential_weight(parts.as_printed, middle) * ft
-    area = (1.0 - c.contraction * u) * length / c.segments
-    kn = c.normal_drag * area
-    kt = c.tangential_drag * area
-    return kn * length * moment, kt * pull, -kn * normal * cos - kt * tangential * sin, -kn * normal * sin + kt * tangential * cos
-
-
-@kernel
-def body_drag(body, water, parts, c, top, time, motion):
-    """Drag force (x, y down) on the body, by the law of spheres or of disks [Wang 1971, eqs 32-35]."""
-    if body is None or water is None:
-        return 0.0, 0.0
-    phi, phi_rate, u, u_rate = motion
-    sin = math.sin(phi)
-    cos = math.cos(phi)
-    length = c.length + u
-    vx, vy = water_velocity(parts, top[0] - length * sin, top[3] + length * cos, time)
-    vx -= top[1] - u_rate * sin - length * cos * phi_rate
-    vy -= top[4] + u_rate * cos - length * sin * phi_rate
-    if c.sphere:
-        k = c.body_drag * math.sqrt(vx * vx + vy * vy)
-        return k * vx, k * vy
-    across, along = turned(vx, vy, c.body_sin, c.body_cos)
-    dt = c.body_drag_axial * abs(along) * along
-    dn = c.body_drag * abs(across) * across
-    return -c.body_sin * dt - c.body_cos * dn, c.body_cos * dt - c.body_sin * dn
 
 
 @kernel
@@ -248,14 +168,6 @@ def mean_tension(tension_floor, c, motion, slack):
     if slack > 0.5:
         return c.floor
     return c.spring * motion[2] + c.damper * motion[3]
-
-
-@kernel
-def added_masses(c, u):
-    """M_a and M_a' = dM_a/du of the cable."""
-    thin = 1.0 - c.contraction * u
-    length = c.length + u
-    return c.added * thin * thin * length, c.added * thin * (thin - 2.0 * c.contraction * length)
 
 
 @kernel
@@ -288,8 +200,8 @@ def accelerations(parts, c, top, time, motion, slack):
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    q1, q2, _, _ = cable_drag(parts.water, parts, c, top, time, motion)
-    dx, dy = body_drag(parts.body, parts.water, parts, c, top, time, motion)
+    q1, q2, _, _ = cable_water(parts.water, parts, c, top, time, motion)
+    dx, dy = body_water(parts.body, parts.water, parts, c, top, time, motion)
     i1, i2 = cable_inertia(parts.cable_mass, c, top, motion)
     alpha = c.mass_x * (top[2] - 2.0 * ud * w * cos + length * w * w * sin)
     beta = c.mass_y * (top[5] - 2.0 * ud * w * sin - length * w * w * cos)
@@ -317,8 +229,8 @@ def end_forces(parts, c, top, time, motion, slack):
     cos = math.cos(phi)
     length = c.length + u
     wd, udd = accelerations(parts, c, top, time, motion, slack)
-    _, _, cx, cy = cable_drag(parts.water, parts, c, top, time, motion)
-    dx, dy = body_drag(parts.body, parts.water, parts, c, top, time, motion)
+    _, _, cx, cy = cable_water(parts.water, parts, c, top, time, motion)
+    dx, dy = body_water(parts.body, parts.water, parts, c, top, time, motion)
     ax = top[2] - udd * sin - 2.0 * ud * w * cos - length * (cos * wd - sin * w * w)
     ay = top[5] + udd * cos - 2.0 * ud * w * sin - length * (sin * wd + cos * w * w)
     # force of the cable on the body

@@ -12,7 +12,6 @@ motion in one vertical plane is then that of tow.py, and a scene turned about th
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.fluid import water_motion
 from cable_model.kernels.header import NEWTON, NO_EQUILIBRIUM, OK, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
@@ -21,12 +20,12 @@ from cable_model.kernels.tow import (
     STATE,
     STRETCH,
     STRETCH_RATE,
-    added_masses,
     constants,
     mean_tension,
     slack_share,
-    tangential_weight,
 )
+from cable_model.kernels.tow_water import added_masses
+from cable_model.kernels.tow_water_space import body_water_in_space, cable_water_in_space
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -121,46 +120,6 @@ def chart_accelerations(y, swing, turning):
 
 
 @kernel
-def cable_drag_in_space(water, parts, c, top, time, swing, u, ud):
-    """Generalized force of the cable's drag on R, and the drag of the whole cable; segments as tow.cable_drag's."""
-    if water is None:
-        return zero(swing.e), zero(swing.e)
-    x, v, _ = top
-    length = c.length + u
-    area = (1.0 - c.contraction * u) * length / c.segments
-    arm = zero(swing.e)
-    total = zero(swing.e)
-    for i in range(c.segments):
-        middle = (i + 0.5) / c.segments
-        flow, _, _ = water_motion(parts, axpy(middle * length, swing.e, x), time)
-        flow = sub(flow, axpy(middle, mix(ud, swing.e, length, swing.rate), v))
-        along = dot(flow, swing.e)
-        across = axpy(-along, swing.e, flow)
-        fn = scale(c.normal_drag * area * norm(across), across)
-        ft = scale(c.tangential_drag * area * abs(along) * along, swing.e)
-        total = add(total, add(fn, ft))
-        arm = add(arm, mix(middle, fn, tangential_weight(parts.as_printed, middle), ft))
-    return arm, total
-
-
-@kernel
-def body_drag_in_space(body, water, parts, c, top, time, swing, u, ud):
-    """Drag force on the body, by the law of spheres or of disks; a disk's axis keeps its attitude in the plane of x and z."""
-    if body is None or water is None:
-        return zero(swing.e)
-    x, v, _ = top
-    length = c.length + u
-    flow, _, _ = water_motion(parts, axpy(length, swing.e, x), time)
-    flow = sub(flow, add(v, mix(ud, swing.e, length, swing.rate)))
-    if c.sphere:
-        return scale(c.body_drag * norm(flow), flow)
-    axis = (-c.body_sin, 0.0, -c.body_cos)
-    along = dot(flow, axis)
-    across = axpy(-along, axis, flow)
-    return mix(c.body_drag * norm(across), across, c.body_drag_axial * abs(along) * along, axis)
-
-
-@kernel
 def across_only(e, a):
     return axpy(-dot(e, a), e, a)
 
@@ -194,8 +153,8 @@ def turning_and_stretching(parts, c, top, time, swing, u, ud, slack):
     _, _, a = top
     e, w = swing.e, swing.rate
     length = c.length + u
-    arm, _ = cable_drag_in_space(parts.water, parts, c, top, time, swing, u, ud)
-    drag = body_drag_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    arm, _ = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    drag = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
     force = add(arm, drag)
     force = axpy(-0.5 * c.mass, a, force)
     force = (force[0] - c.mass_x * a[0], force[1] - c.mass_x * a[1], force[2] - c.mass_y * a[2] - c.body_weight - 0.5 * c.weight)
@@ -275,8 +234,8 @@ def end_forces_in_space(parts, c, top, time, swing, u, ud, slack):
     length = c.length + u
     turning, stretching = turning_and_stretching(parts, c, top, time, swing, u, ud, slack)
     r = add(mix(stretching, e, 2.0 * ud, w), scale(length, turning))
-    _, drag = cable_drag_in_space(parts.water, parts, c, top, time, swing, u, ud)
-    pull = body_drag_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    _, drag = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    pull = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
     b = add(a, r)
     b = sub((c.mass_x * b[0], c.mass_x * b[1], c.mass_y * b[2] + c.body_weight), pull)
     mass, by_stretch = added_masses(c, u)
@@ -320,8 +279,8 @@ def outputs_in_space(space, parts, p, state, work, out):
 def resting_load(parts, c, top, e, u):
     """Generalized force on R of weight and steady current, with the cable at rest."""
     swing = Swing(e, zero(e), e, e)
-    arm, _ = cable_drag_in_space(parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
-    load = add(arm, body_drag_in_space(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0))
+    arm, _ = cable_water_in_space(parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
+    load = add(arm, body_water_in_space(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0))
     return (load[0], load[1], load[2] - c.body_weight - 0.5 * c.weight)
 
 

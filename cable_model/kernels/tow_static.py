@@ -6,8 +6,9 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
-from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, body_drag, cable_drag, constants
+from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants
 from cable_model.kernels.tow_space import STATE_IN_SPACE, hang_in_space, node_positions_in_space
+from cable_model.kernels.tow_water import body_water, cable_water
 
 SCAN = 36  # intervals on each side of the vertical in which equilibria are looked for
 
@@ -19,8 +20,8 @@ def still_loads(parts, c, x, y, phi, u):
     motion = (phi, 0.0, u, 0.0)
     sin = math.sin(phi)
     cos = math.cos(phi)
-    q1, q2, _, _ = cable_drag(parts.water, in_calm_water(parts), c, top, 0.0, motion)
-    dx, dy = body_drag(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    q1, q2, _, _ = cable_water(parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    dx, dy = body_water(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
     weight = c.body_weight + 0.5 * c.weight
     return (c.length + u) * (-sin * weight - dx * cos - dy * sin) + q1, cos * weight - dx * sin + dy * cos + q2
 

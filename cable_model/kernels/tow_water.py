@@ -1,0 +1,127 @@
+"""The water on the tow model in the plane: drag of cable and body, and what the waves' acceleration does to them.
+
+Axes of tow.py: x right, y DOWN.  T is the effective tension, which takes static buoyancy in full, and so the dynamic pressure too: the
+load is the displaced mass times the whole acceleration of the water, and the added mass times its part across the cable.
+"""
+
+import math
+
+from cable_model.kernels.fluid import current_velocity
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.waves import wave_motion
+
+
+@kernel
+def wave_flow(parts, x, y, time):
+    """Orbital velocity of the waves and its acceleration in (x, y down).
+
+    As printed, eq 26b of the report has the vertical velocity upside down, and waves act through drag only.
+    """
+    if parts.waves is None:
+        return 0.0, 0.0, 0.0, 0.0
+    v, a, _ = wave_motion(parts, (x, -y), time)
+    if parts.as_printed is None:
+        return v[0], -v[1], a[0], -a[1]
+    return v[0], v[1], 0.0, 0.0
+
+
+@kernel
+def water_flow(parts, x, y, time):
+    """Velocity of current and waves, and the acceleration."""
+    flow, _ = current_velocity(parts.current, (x, -y))
+    vx, vy, ax, ay = wave_flow(parts, x, y, time)
+    return flow[0] + vx, vy, ax, ay
+
+
+@kernel
+def tangential_weight(as_printed, middle):
+    """Virtual work of a segment's tangential drag on the stretch; eq 45 of the report leaves it out."""
+    if as_printed is None:
+        return middle
+    return 1.0
+
+
+@kernel
+def turned(x, y, sin, cos):
+    """Components along n = (-cos, -sin) and t = (-sin, cos)."""
+    return -x * cos - y * sin, -x * sin + y * cos
+
+
+@kernel
+def added_masses(c, u):
+    """M_a and M_a' = dM_a/du of the cable."""
+    thin = 1.0 - c.contraction * u
+    length = c.length + u
+    return c.added * thin * thin * length, c.added * thin * (thin - 2.0 * c.contraction * length)
+
+
+@kernel
+def _add_push(waves, middle, rate, pushed):
+    """Sums over the segments of the water's acceleration along n and t, and of its moments, from those so far."""
+    if waves is None:
+        return pushed
+    return (pushed[0] + rate[0], pushed[1] + rate[1], pushed[2] + middle * rate[0], pushed[3] + middle * rate[1])
+
+
+@kernel
+def cable_water(water, parts, c, top, time, motion):
+    """Generalized forces of the water on phi and u, and its force (x, y down), on the whole cable [Wang 1971, eqs 38-45]."""
+    if water is None:
+        return 0.0, 0.0, 0.0, 0.0
+    phi, phi_rate, u, u_rate = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    across_top, along_top = turned(top[1], top[4], sin, cos)
+    moment = 0.0
+    pull = 0.0
+    normal = 0.0
+    tangential = 0.0
+    pushed = (0.0, 0.0, 0.0, 0.0)
+    for i in range(c.segments):
+        middle = (i + 0.5) / c.segments
+        s = middle * length
+        vx, vy, ax, ay = water_flow(parts, top[0] - s * sin, top[3] + s * cos, time)
+        across, along = turned(vx, vy, sin, cos)
+        across -= across_top + s * phi_rate
+        along -= along_top + middle * u_rate
+        fn = abs(across) * across
+        ft = abs(along) * along
+        normal += fn
+        tangential += ft
+        moment += middle * fn
+        pull += tangential_weight(parts.as_printed, middle) * ft
+        pushed = _add_push(parts.waves, middle, turned(ax, ay, sin, cos), pushed)
+    area = (1.0 - c.contraction * u) * length / c.segments
+    added, _ = added_masses(c, u)
+    kn = c.normal_drag * area
+    kt = c.tangential_drag * area
+    push_t = c.displaced / c.segments
+    push_n = push_t + added / c.segments
+    fn = kn * normal + push_n * pushed[0]
+    ft = kt * tangential + push_t * pushed[1]
+    moment = kn * length * moment + push_n * length * pushed[2]
+    return moment, kt * pull + push_t * pushed[3], -fn * cos - ft * sin, -fn * sin + ft * cos
+
+
+@kernel
+def body_water(body, water, parts, c, top, time, motion):
+    """Force of the water (x, y down) on the body: drag by the law of spheres or of disks [Wang 1971, eqs 32-35], and the waves' push."""
+    if body is None or water is None:
+        return 0.0, 0.0
+    phi, phi_rate, u, u_rate = motion
+    sin = math.sin(phi)
+    cos = math.cos(phi)
+    length = c.length + u
+    vx, vy, ax, ay = water_flow(parts, top[0] - length * sin, top[3] + length * cos, time)
+    vx -= top[1] - u_rate * sin - length * cos * phi_rate
+    vy -= top[4] + u_rate * cos - length * sin * phi_rate
+    push_x = c.pushed_x * ax
+    push_y = c.pushed_y * ay
+    if c.sphere:
+        k = c.body_drag * math.sqrt(vx * vx + vy * vy)
+        return k * vx + push_x, k * vy + push_y
+    across, along = turned(vx, vy, c.body_sin, c.body_cos)
+    dt = c.body_drag_axial * abs(along) * along
+    dn = c.body_drag * abs(across) * across
+    return push_x - c.body_sin * dt - c.body_cos * dn, push_y + c.body_cos * dt - c.body_sin * dn
