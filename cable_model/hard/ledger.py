@@ -70,7 +70,8 @@ class Ledger:
         lost = h * held * (stretch - 1.0) + h * held * held / (2.0 * cable.axial_stiffness)  # what it takes from the law of f + T_c
         f = f + held
         w0 = np.maximum(np.minimum(self.numeric.smoothing, self.numeric.hung + self.numeric.own * h), 1e-300)  # of slack.py
-        return float(np.sum(h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0))) / (4.0 * cable.axial_stiffness) - np.sum(lost))
+        law = h * (f * f + f * np.hypot(f, w0) + w0 * w0 * np.arcsinh(f / w0)) / (4.0 * cable.axial_stiffness)
+        return float(np.sum(law - lost))
 
     def _bending(self, h: np.ndarray, split: np.ndarray, q: np.ndarray) -> float:
         between = (1.0 - split[:-1]) * h[:-1] + split[1:] * h[1:]

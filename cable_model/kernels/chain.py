@@ -8,6 +8,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
+from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
@@ -339,6 +340,7 @@ def outputs(parts, p, state, work, out):
     pulled = 0.0
     for k in range(len(top)):
         pulled -= force[k] * t[k]
+    pulled = limited(parts, problem.numeric, view.mesh[view.mesh.shape[0] - 1, 0], pulled)
     _spread(parts.space, force, 0.0, out, 0)
     out[3] = pulled
     out[4] = math.acos(min(1.0, max(-1.0, t[len(t) - 1])))

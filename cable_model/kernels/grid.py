@@ -9,6 +9,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import start_contacts
+from cable_model.kernels.slack import limited
 from cable_model.kernels.vector import axpy, load, mix, norm, scale
 
 
@@ -226,6 +227,7 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time
     end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
     force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
     q = load(view.y, n - 2, top)
+    end = limited(parts, problem.numeric, mesh[0, 0], end)
     return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack / length
 
 

@@ -47,6 +47,14 @@ def _carried(ground, mesh, i):
 
 
 @kernel
+def under_body(present, ground, mesh):
+    """Share of the seabed's force on node 0 that the body there takes: the rest lifts the cable's part of the node."""
+    if present is None:
+        return 0.0
+    return ground.body_length / (ground.body_length + mesh[0, 1] * mesh[0, 0])
+
+
+@kernel
 def _no_start(present, ground, mesh, y0, top_row, h, like, contact):
     return
 

@@ -6,7 +6,7 @@ Newton's method does not see the kink.  It is monotone in e', so damping only di
 
 With bending the law is that of T + T_c, T_c = HELD EI/h^2: a cell may be pressed, as a beam is that is shorter than its buckling length.
 Its axial force is N = T + EI kappa^2 (see `staggered.bent`), so in a loop T < 0 where N > 0, and a law that held T >= 0 would
-shorten the cells.  Cells in a zig-zag buckle at T = -4 EI/h^2, a flat fold is in equilibrium at -2 EI/h^2.  With EI -> 0 it is the law above.
+shorten them.  Cells in a zig-zag buckle at T = -4 EI/h^2, a flat fold is in equilibrium at -2 EI/h^2.  With EI = 0 it is the law above.
 
 The law's own damping, without which what is slack chatters, fades out as a cell becomes taut: C = C0 h phi(T), phi = 1 for T <= 0,
 1 - 3 y^2 + 2 y^3 with y = T/(FADED times the weight that hangs below) up to y = 1, and 0 beyond.  T is there the tension that the last two
@@ -42,6 +42,18 @@ def _held(slack, bending, h):
     if slack is None:
         return 0.0
     return HELD * bending / (h * h)
+
+
+@kernel
+def limited(parts, numeric, h, tension):
+    """The tension at an end of the cable, where its cell of length h ends: none below -T_c.
+
+    `tension` is the cell's, carried to the end by the weight and the inertia of the part between, which hold for a straight cable.
+    One that is slack and is thrown, or lies, gives way there instead of pushing.
+    """
+    if parts.slack is None:
+        return tension
+    return max(tension, 0.0 - floor(parts, numeric, h))
 
 
 @kernel

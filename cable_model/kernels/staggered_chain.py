@@ -7,6 +7,7 @@ from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
+from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent, lower_end_terms
 from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_bending, with_tolerance
@@ -216,5 +217,5 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     v = load(y, n, position)
     a = load(acceleration, 0, position)
     needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
-    needed, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, q, 0.0, s.contact, needed, needed_by)
-    return dot(needed, t)
+    lifted, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, q, 0.0, s.contact, zero(v), needed_by)
+    return dot(axpy(under_body(parts.seabed, problem.ground, mesh), lifted, needed), t)
