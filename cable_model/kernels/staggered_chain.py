@@ -8,8 +8,9 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
 from cable_model.kernels.slack import width
-from cable_model.kernels.staggered import add_seabed, assemble, lower_end_terms
+from cable_model.kernels.staggered import add_seabed, assemble
 from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_tolerance
+from cable_model.kernels.staggered_water import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
@@ -182,7 +183,9 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     q = load(y, 0, position)
     t = scale(1.0 / norm(q), q)
     if present is None:
-        return s.cells[0, 0] - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
+        h, split = mesh[0, 0], mesh[0, 1]
+        weight = lower_weight(parts.surface, parts, problem.medium, problem.cable, h, split, q, position, time)
+        return s.cells[0, 0] - weight * t[len(t) - 1]
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
