@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Condition:
-    """Joined with `&`, `|` and `~`; what it asks for are Given, Chosen, Changed and On."""
+    """Joined with `&`, `|` and `~`; what it asks for are Given, Chosen, Changed, High and On."""
 
     def __and__(self, other: Condition) -> Condition:
         return Both(self, other)
@@ -43,6 +43,13 @@ class Changed(Condition):
 
 
 @dataclass(frozen=True)
+class High(Condition):
+    """The position is above still water."""
+
+    name: str
+
+
+@dataclass(frozen=True)
 class On(Condition):
     """An effect is simulated by the model at hand."""
 
@@ -69,13 +76,18 @@ def holds(condition: Condition, leaf: Callable[[Condition], bool]) -> bool:
     return leaf(condition)
 
 
+def leaves(condition: Condition | None) -> list[Condition]:
+    """What a condition asks for, in its order."""
+    if isinstance(condition, Both):
+        return [*leaves(condition.one), *leaves(condition.other)]
+    if isinstance(condition, Not):
+        return leaves(condition.term)
+    return [] if condition is None else [condition]
+
+
 def names(condition: Condition) -> list[str]:
     """The names of the values that a condition asks for, in their order."""
-    if isinstance(condition, Both):
-        return [*names(condition.one), *names(condition.other)]
-    if isinstance(condition, Not):
-        return names(condition.term)
-    return [condition.name] if isinstance(condition, Given | Chosen | Changed) else []
+    return [leaf.name for leaf in leaves(condition) if isinstance(leaf, Given | Chosen | Changed | High)]
 
 
 Literal = tuple[int, bool]  # a variable of an FMU, and whether its value is given

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cable_model import tables
-from cable_model.condition import Changed, Chosen, Condition, Given, On
+from cable_model.condition import Changed, Chosen, Condition, Given, High, On
 from cable_model.kernels.parts import parts_type
 
 CHAIN, TOW = "chain", "tow"
@@ -80,6 +80,13 @@ EFFECTS = (
             "cable.added_mass_coefficient", "cable.volume_per_length",
         ),
         costs={"water": _WATER},
+    ),
+    Effect(
+        "surface", "water surface: dry above it", Given("water.surface"), ("water.surface",), needs=("water",), models=(CHAIN,),
+        grids=(STAGGERED,), asked=On("water") & Given("water.surface") & High("top.position"),
+        remedy='Set solver.grid = "staggered", or water.surface = false if that is meant.',
+        parameters=("water.surface",), left_out={"water.surface": False},
+        costs={"water without a surface": {**_WATER, "water.surface": False}},
     ),
     Effect(
         "current", "current", Given("current.levels", column=1) | Given("current.speed") & ~Given("current.levels"),

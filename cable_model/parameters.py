@@ -79,6 +79,7 @@ class Environment:
 class Water:
     density: float = quantity("kg/m3", "density of the water (0 = none)", default=1025.0, least=0.0)
     depth: float = quantity("m", "depth that the waves feel (0 = deep water)", default=0.0, least=0.0)
+    surface: bool = quantity("", "whether cable and body are dry above the surface (false: there is water everywhere)", default=True)
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ class Step:
         self.problem = Problem(
             Cable(1.7, 0.01, 0.8, 50.0, 9.81, 0.6 * 9.81),
             Water(3.0, 0.4, 0.2, 0.3) if parts.water else None,
-            Body(1.3, 0.4, 0.2, 9.0, 2.0) if parts.body else None,
+            Body(1.3, 0.4, 0.2, 9.0, 2.0, 0.1) if parts.body else None,
             Numeric(0.0, 0.0, 0.0, 0.0, 0.3 if parts.voigt else 0.0, 0.02 if parts.bending else 0.0, pull, 1e-9, 0.0),
             None,
             None,

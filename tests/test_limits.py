@@ -63,7 +63,7 @@ def test_the_note_sets_counts_bounds_and_times_side_by_side():
 def test_what_an_absent_part_never_reaches_is_cut_out_and_the_rest_is_left(tmp_path):
     assert absent.cut_out(tmp_path) > 50
     kernels = tmp_path / "cable_model" / "kernels"
-    water = (kernels / "staggered.py").read_text(encoding="utf-8")
+    water = (kernels / "staggered_water.py").read_text(encoding="utf-8")
     assert "flow, flow_rate, flow_gradient = water_motion" not in water  # behind `if water is None: return`
     assert "barrier" in (kernels / "slack.py").read_text(encoding="utf-8")  # the bare chain has slack
     grid = (kernels / "grid.py").read_text(encoding="utf-8")

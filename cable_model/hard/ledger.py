@@ -16,6 +16,7 @@ from cable_model.kernels import header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
+from cable_model.kernels.surface import Share, cell_share, centre, level_over, share
 
 SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
 
@@ -90,7 +91,11 @@ class Ledger:
         a = self.now.yd[n:] - (self.c.alpha_m - self.c.alpha_k) * last * self.now.ydd[n:]
         stretch = np.linalg.norm(q, axis=1, keepdims=True)
         t = q / stretch
-        flow, flow_rate = self._flow(parts, 0.5 * (at[:-1] + at[1:]), time)
+        middle = 0.5 * (at[:-1] + at[1:])
+        cells, rises = self._shares(at, v[:, -1], split, time)
+        wet = cells.wet[:, None]
+        middle[:, -1] -= 0.5 * (1.0 - cells.wet) * np.abs(np.diff(at[:, -1]))
+        flow, flow_rate = self._flow(parts, middle, time)
 
         def across(x: np.ndarray) -> np.ndarray:
             return x - np.sum(x * t, axis=1, keepdims=True) * t
@@ -101,21 +106,55 @@ class Ledger:
         pull = -half * scene.cable.normal_drag_coefficient * np.linalg.norm(un, axis=1, keepdims=True) * un
         pull -= half * scene.cable.tangential_drag_coefficient * np.linalg.norm(ut, axis=1, keepdims=True) * ut
         pull += self.added * across(flow_rate) + self.density * self.displaced_area * flow_rate
-        pull[:, -1] += self.density * self.displaced_area * self.gravity
         b = split[:, None]
-        low = b * pull - self.added * across((b - SHARE) * a[:-1] + SHARE * a[1:])
-        up = (1.0 - b) * pull - self.added * across((1.0 - b - SHARE) * a[1:] + SHARE * a[:-1])
+        low = wet * (b * pull - self.added * across((b - SHARE) * a[:-1] + SHARE * a[1:]))
+        up = wet * ((1.0 - b) * pull - self.added * across((1.0 - b - SHARE) * a[1:] + SHARE * a[:-1]))
+        # added mass that depends on the place: m_a (lambda' z_t N w - 1/2 lambda' w.N w e_z), shared as the inertia is
+        ul, uu = v[:-1] - flow, v[1:] - flow
+        nl, nu = across((b - SHARE) * ul + SHARE * uu), across((1.0 - b - SHARE) * uu + SHARE * ul)
+        square = np.sum(ul * nl + uu * nu, axis=1)
+        low -= self.added * rises[:, None] * nl
+        up -= self.added * rises[:, None] * nu
+        lift = self.density * self.displaced_area * self.gravity
+        low[:, -1] += lift * cells.e1 + 0.5 * self.added * cells.w1 * square
+        up[:, -1] += lift * cells.e2 + 0.5 * self.added * cells.w2 * square
         return float(np.sum(h[:, None] * (low * v[:-1] + up * v[1:]))) + self._body_power(v[0], a[0], at[:1], time)
+
+    def _level(self, at: np.ndarray, time: float) -> tuple[float, float]:
+        """Height of the water's surface over a place, and its rate; without a surface far above it."""
+        if self.model.parts.surface is None:
+            return np.inf, 0.0
+        height, rate = level_over(self.model.parts, tuple(at), time, -np.inf)
+        return float(height), float(rate)
+
+    def _shares(self, at: np.ndarray, rise: np.ndarray, split: np.ndarray, time: float) -> tuple[Any, np.ndarray]:
+        """Wet shares of the cells, a Share of arrays, and the rates of the shares; `rise` are the nodes' vertical velocities."""
+        rows, rates = [], []
+        for i, b in enumerate(split):
+            level, rate = self._level(0.5 * (at[i] + at[i + 1]), time)
+            r = 0.5 * self.model.scene.cable.diameter
+            ends = at[i : i + 2, -1] - level
+            deep = bool(np.all(ends <= -r))
+            row = Share(1.0, 0.0, 0.0, 0.0, 0.0, 0.0, b, 1.0 - b, 0.0, 0.0, 0.0) if deep else cell_share(ends[0], ends[1], r, b)
+            rows.append(row)
+            rates.append(row.w1 * (rise[i] - rate) + row.w2 * (rise[i + 1] - rate))
+        return Share(*np.array(rows).T), np.array(rates)
 
     def _body_power(self, v: np.ndarray, a: np.ndarray, at: np.ndarray, time: float) -> float:
         body = self.model.scene.body
         if body.mass == 0.0:
             return 0.0
+        level, rate = self._level(at[0], time)
+        radius = max((0.75 / np.pi * body.volume) ** (1.0 / 3.0), 0.5 * self.model.scene.cable.diameter)
+        wet, slope, _ = share(at[0, -1] - level, radius)
+        at = at.copy()
+        at[0, -1] -= centre(at[0, -1] - level, radius)[0]
         flow, flow_rate = self._flow(self.model.parts, at, time)
         u = v - flow[0]
         force = -0.5 * self.density * body.drag_area * np.linalg.norm(u) * u - body.added_mass * a
         force += (self.density * body.volume + body.added_mass) * flow_rate[0]
-        force[-1] += self.density * body.volume * self.gravity
+        force = wet * force - body.added_mass * slope * (v[-1] - rate) * u
+        force[-1] += wet * self.density * body.volume * self.gravity + 0.5 * body.added_mass * slope * (u @ u)
         return float(force @ v)
 
     @staticmethod

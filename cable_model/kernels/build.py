@@ -59,7 +59,7 @@ def _no_body(part, water, p):
 @kernel
 def _hung(part, water, p):
     body = body_part(part, water, p)
-    return Body(body.mass, body.added_mass, body.displaced_mass, body.weight, body.drag)
+    return Body(body.mass, body.added_mass, body.displaced_mass, body.weight, body.drag, body.radius)
 
 
 _body = by_presence(_no_body, _hung)

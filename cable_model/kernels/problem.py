@@ -23,6 +23,7 @@ class Body(NamedTuple):
     displaced_mass: float
     weight: float  # in the medium, N
     drag: float  # 1/2 rho Cd A, kg/m
+    radius: float  # of the sphere of its volume, no less than the cable's, m
 
 
 class Water(NamedTuple):
@@ -64,7 +65,8 @@ def body_part(body, water, p):
     if water is not None:
         added = hung.added_mass
     weight = (hung.mass - density * hung.volume) * p[0].environment.gravity
-    return Body(hung.mass, added, density * hung.volume, weight, 0.5 * density * hung.drag_area)
+    radius = max((0.75 / 3.141592653589793 * hung.volume) ** (1.0 / 3.0), 0.5 * p[0].cable.diameter)
+    return Body(hung.mass, added, density * hung.volume, weight, 0.5 * density * hung.drag_area, radius)
 
 
 @kernel

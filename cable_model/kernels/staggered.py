@@ -13,10 +13,10 @@ fourth-order dispersion on smooth meshes.
 """
 
 from cable_model.kernels.block_elimination import clear_outer, identity_row
-from cable_model.kernels.fluid import body_drag, element_drag, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
+from cable_model.kernels.staggered_water import SHARE, cell_water, lower_end_terms
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -27,8 +27,6 @@ from cable_model.kernels.vector import (
     load,
     load_from,
     mix,
-    multiply,
-    norm,
     outer,
     scale,
     scale_matrix,
@@ -41,45 +39,6 @@ from cable_model.kernels.vector import (
 )
 
 FADING = -2  # column of the cells: the share of the slack damping that acts
-SHARE = 1.0 / 12.0  # of a cell's inertia that couples its two nodes
-
-
-@kernel
-def _element_water(water, parts, medium, cable, h, split, q, position, speed, low, up, time, gains):
-    """Added mass, Froude-Krylov force and drag of a cell.
-
-    Returns residual shares of the lower and the upper node, their derivatives by q, by the cell's velocity and by its
-    position, and the cell's inertia matrix per unit acceleration and length.
-    """
-    inertia = diagonal(cable.mass, q)
-    none = diagonal(0.0, q)
-    if water is None:
-        return zero(q), zero(q), none, none, none, none, inertia
-    stretch = norm(q)
-    t = scale(1.0 / stretch, q)
-    flow, flow_rate, flow_gradient = water_motion(parts, position, time)
-    normal = add_matrix(diagonal(1.0, t), scale_matrix(-1.0, outer(t, t)))
-    inertia = add_matrix(inertia, scale_matrix(medium.added_mass, normal))
-    # added mass times (a - a_w) per length on the shares: only its normal part counts, so it turns with the cable
-    low_load = scale(medium.added_mass, axpy(-split, flow_rate, low))
-    up_load = scale(medium.added_mass, axpy(split - 1.0, flow_rate, up))
-    low_q = scale_matrix(-h / stretch, _turned(normal, low_load, t))
-    up_q = scale_matrix(-h / stretch, _turned(normal, up_load, t))
-    # the cable's share of that is in the inertia matrix, the water's is a load; and the displaced mass feels all of a_w: T is the
-    # effective tension, which takes the pressure's axial part in full, dynamic as static
-    pressed = axpy(medium.displaced_mass, flow_rate, scale(medium.added_mass, apply(normal, flow_rate)))
-    low_r = scale(-h * split, pressed)
-    up_r = scale(h * (split - 1.0), pressed)
-    drag, by_v, by_q = element_drag(medium, sub(speed, flow), t, stretch)
-    low_r = axpy(-h * split, drag, low_r)
-    up_r = axpy(h * (split - 1.0), drag, up_r)
-    low_q = add_matrix(low_q, scale_matrix(-h * split, by_q))
-    up_q = add_matrix(up_q, scale_matrix(h * (split - 1.0), by_q))
-    # through the velocity (mean of both nodes) and through the place of the cell in the flow
-    by_motion = add_matrix(scale_matrix(gains.v, by_v), scale_matrix(-gains.r, multiply(by_v, flow_gradient)))
-    low_v = scale_matrix(-0.5 * h * split, by_motion)
-    up_v = scale_matrix(0.5 * h * (split - 1.0), by_motion)
-    return low_r, up_r, low_q, up_q, low_v, up_v, inertia
 
 
 @kernel
@@ -105,12 +64,6 @@ def _slide(winch, gains, s, q, v):
     if winch is None:
         return v
     return axpy(-s * gains.winding.rate, q, v)
-
-
-@kernel
-def _turned(normal, x, t):
-    """-l d(N x)/dq at fixed x: N (t.x) + t (N x)."""
-    return add_matrix(scale_matrix(dot(t, x), normal), outer(t, apply(normal, x)))
 
 
 @kernel
@@ -172,8 +125,8 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         low = mix(split - SHARE, a_low, SHARE, a_up)
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
         speed = _slide(parts.winch, gains, arc + split * h, qi, mix(0.5, v_low, 0.5, v_up))
-        low_w, up_w, low_q, up_q, low_v, up_v, inertia = _element_water(
-            parts.water, parts, medium, cable, h, split, qi, middle, speed, low, up, time, gains
+        low_w, up_w, low_q, up_q, low_v, up_v, low_up, up_low, inertia = cell_water(
+            parts.surface, parts, medium, cable, h, split, qi, middle, speed, low, up, v_low, v_up, time, gains
         )
         down = upward(-cable.weight * h, like)
         low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(add(low_w, low_wound), pull)))
@@ -183,11 +136,11 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         near = scale_matrix(SHARE, m)
         kq_low = add_matrix(diagonal(low_rate, like), add_matrix(scale_matrix(-1.0, k), scale_matrix(gains.q / h, low_q)))
         kq_up = add_matrix(diagonal(up_rate, like), add_matrix(k, scale_matrix(gains.q / h, up_q)))
-        store_matrix(bands, 1, i + 1, add_matrix(near, add_matrix(scale_matrix(-1.0, kq_up), up_v)))
+        store_matrix(bands, 1, i + 1, add_matrix(near, add_matrix(scale_matrix(-1.0, kq_up), up_low)))
         own = add_matrix(scale_matrix(1.0 - split - SHARE, m), add_matrix(kq_up, up_v))
         store_matrix(bands, 2, i + 1, add_matrix(carry_d, own))
         store(x, i + 1, scale(-1.0, add(carry_r, up_r)))
-        store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_v)))
+        store_matrix(bands, 3, i, add_matrix(near, add_matrix(kq_low, low_up)))
         carry_d = add_matrix(scale_matrix(split - SHARE, m), add_matrix(scale_matrix(-1.0, kq_low), low_v))
         carry_r = low_r
         carry_r, carry_d = add_seabed(parts.seabed, parts, ground, gains, mesh, i, position, v_low, qi, arc, contact, carry_r, carry_d)
@@ -229,28 +182,6 @@ def add_seabed(present, parts, ground, gains, mesh, i, position, v, q, arc, cont
         return residual, jacobian
     load, by_velocity = node_load(present, parts.friction, ground, gains, mesh, i, position, _slide(parts.winch, gains, arc, q, v), contact)
     return add(residual, load), add_matrix(jacobian, by_velocity)
-
-
-@kernel
-def lower_end_terms(present, parts, body, cable, gains, position, v, a, time):
-    """Residual of the body on the lower end, and its derivative by the end's velocity."""
-    if present is None:
-        return zero(v), diagonal(0.0, v)
-    return _body_terms(parts.water, parts, body, gains, position, v, a, time)
-
-
-@kernel
-def _body_terms(water, parts, body, gains, position, v, a, time):
-    mass = body.mass + body.added_mass
-    residual = axpy(mass, a, upward(body.weight, v))
-    jacobian = diagonal(mass * gains.a, v)
-    if water is None:
-        return residual, jacobian
-    flow, flow_rate, flow_gradient = water_motion(parts, position, time)
-    drag, by_v = body_drag(body.drag, sub(v, flow))
-    residual = sub(axpy(-(body.displaced_mass + body.added_mass), flow_rate, residual), drag)
-    jacobian = add_matrix(jacobian, scale_matrix(-gains.v, by_v))
-    return residual, add_matrix(jacobian, scale_matrix(gains.r, multiply(by_v, flow_gradient)))
 
 
 @kernel

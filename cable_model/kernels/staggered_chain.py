@@ -9,8 +9,9 @@ from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.problem import body_weight, total_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
-from cable_model.kernels.staggered import add_seabed, assemble, bent, lower_end_terms
+from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_bending, with_tolerance
+from cable_model.kernels.staggered_water import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
@@ -212,7 +213,9 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     q = load(y, 0, position)
     t = scale(1.0 / norm(q), q)
     if present is None:
-        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) - problem.cable.weight * mesh[0, 1] * mesh[0, 0] * t[len(t) - 1]
+        h, split = mesh[0, 0], mesh[0, 1]
+        weight = lower_weight(parts.surface, parts, problem.medium, problem.cable, h, split, q, position, time)
+        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) - weight * t[len(t) - 1]
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
