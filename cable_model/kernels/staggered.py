@@ -27,6 +27,7 @@ from cable_model.kernels.vector import (
     load,
     load_from,
     mix,
+    norm,
     outer,
     scale,
     scale_matrix,
