@@ -83,7 +83,7 @@ EFFECTS = (
     ),
     Effect(
         "surface", "water surface: dry above it", Given("water.surface"), ("water.surface",), needs=("water",), models=(CHAIN,),
-        grids=(STAGGERED,), asked=On("water") & Given("water.surface") & High("top.position"),
+        told_to_peers=True, grids=(STAGGERED,), asked=On("water") & Given("water.surface") & High("top.position"),
         remedy='Set solver.grid = "staggered", or water.surface = false if that is meant.',
         parameters=("water.surface",), left_out={"water.surface": False},
         costs={"water without a surface": {**_WATER, "water.surface": False}},

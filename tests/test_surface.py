@@ -8,12 +8,14 @@ from chain_support import kinetic_matrix, make, still, view
 from test_chain_newton import WET, Step
 
 from cable_model.cable_chain import CableChain
+from cable_model.errors import ParameterError
 from cable_model.hard.record import record
 from cable_model.kernels import surface
-from cable_model.kernels.staggered_water import _added_energy
+from cable_model.kernels.staggered_surface import _added_energy
 from cable_model.scene import from_dict, load, with_values
 from cable_model.signals import OUTPUTS
 from cable_model.simulation import simulate
+from cable_model.tow_cable import TowCable
 
 DATA = Path(__file__).parent / "data"
 R, SPLIT = 0.3, 0.42
@@ -249,3 +251,14 @@ def test_the_ledger_of_a_body_and_cable_that_go_in_and_out_closes_as_steps_get_s
         gaps.append(np.max(np.abs(run.excess)) / (run.weight * run.scene.cable.length))
     assert gaps[1] < 5e-5
     assert gaps[0] / gaps[1] > 8.0  # order 1.5 at least: the power is sampled at steps, and it jumps where water is met
+
+
+def test_what_has_water_everywhere_refuses_a_top_above_the_sea_unless_that_is_meant():
+    high = with_values(load("dale_sphere"), {"top.position": (0.0, 0.0, 5.0)})
+    with pytest.raises(ParameterError) as error:
+        TowCable(high)
+    assert str(error.value) == "top.position[2] = 5 m: must be <= 0 for TowCable, which has water above z = 0 too. Use CableChain."
+    with pytest.raises(ParameterError, match=r"top\.position\[2\] = 5 m: must be <= 0 on the box grid, which has water above z = 0 too\."):
+        with_values(high, {"solver.grid": "box"})
+    assert TowCable(with_values(high, {"water.surface": False})).parts.surface is None
+    assert CableChain(high).parts.surface is True

@@ -16,7 +16,8 @@ from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
-from cable_model.kernels.staggered_water import SHARE, cell_water, lower_end_terms
+from cable_model.kernels.staggered_surface import cell_water, lower_end_terms
+from cable_model.kernels.staggered_water import SHARE
 from cable_model.kernels.vector import (
     add,
     add_matrix,

@@ -11,7 +11,7 @@ from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_bending, with_tolerance
-from cable_model.kernels.staggered_water import lower_end_terms, lower_weight
+from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
 
 STATIC_STEPS = 400
