@@ -57,9 +57,15 @@ def before_the_run(scene: Any, model: str) -> Iterator[str]:
         )
 
 
-def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[str]:
-    """What the static equilibrium, whose outputs these are, makes doubtful."""
+def at_the_start(scene: Any, model: str, outputs: Sequence[float], top_z: float = 0.0) -> Iterator[str]:
+    """What the static equilibrium, with these outputs under a top at this height, makes doubtful."""
     cable = scene.cable
+    highest = max(top_z, outputs[OUTPUTS.index("body.z")])
+    if highest > 0.0 and is_on(BY_NAME["water"], scene, model) and not is_on(BY_NAME["surface"], scene, model):
+        yield (
+            f"an end of the cable at z = {highest:.3g} m, the water's surface at 0: what is above it is simulated as if under water. "
+            "Set water.surface = true where the model and the grid have it (CableChain, staggered)."
+        )
     tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
     strain = tensions[1] / cable.axial_stiffness
     if strain > LARGEST_STRAIN and not cable.stiffness_curve and not is_on(BY_NAME["inextensible"], scene, model):
@@ -83,6 +89,6 @@ def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[s
             )
 
 
-def doubts(scene: Any, model: str, outputs: Sequence[float]) -> tuple[str, ...]:
-    """All warnings of a run that starts with these outputs, in the order of signals.OUTPUTS."""
-    return (*before_the_run(scene, model), *at_the_start(scene, model, outputs))
+def doubts(scene: Any, model: str, outputs: Sequence[float], top_z: float) -> tuple[str, ...]:
+    """All warnings of a run that starts with these outputs, in the order of signals.OUTPUTS, and its top at this height, m."""
+    return (*before_the_run(scene, model), *at_the_start(scene, model, outputs, top_z))

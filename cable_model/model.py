@@ -85,7 +85,7 @@ class Model:
 
     def warnings(self) -> tuple[str, ...]:
         """What is doubtful about a run from the outputs at hand, to be asked for after `initialize`."""
-        return doubts(self.scene, self.name, self.outputs.tolist())
+        return doubts(self.scene, self.name, self.outputs.tolist(), float(self.state[header.TOP + 2]))
 
     def _check_start(self, inputs: np.ndarray) -> None:
         """Refuse a top that does not go with the scene."""

@@ -73,6 +73,16 @@ def test_cells_that_do_not_resolve_waves_along_and_across_are_told():
     assert not list(at_the_start(scene, "tow", outputs(500.0, 1500.0)))
 
 
+def test_ends_above_the_water_are_told_where_the_surface_is_not_simulated():
+    wet = from_dict({**WIRE, "water": {}})
+    assert not list(at_the_start(wet, "chain", outputs(1.0, 1.0), 5.0))
+    (text,) = at_the_start(wet, "tow", outputs(1.0, 1.0), 5.0)
+    assert FORM.fullmatch(text)
+    assert text.startswith("an end of the cable at z = 5 m, the water's surface at 0:")
+    assert len(list(at_the_start(with_values(wet, {"water.surface": False}), "chain", outputs(1.0, 1.0), 5.0))) == 1
+    assert not list(at_the_start(wet, "tow", outputs(1.0, 1.0), -0.1))
+
+
 def test_a_strain_beyond_a_tenth_is_told():
     (text,) = at_the_start(from_dict(WIRE), "tow", outputs(0.0, 2e5))
     assert FORM.fullmatch(text)
