@@ -20,10 +20,10 @@ HANGING = {
     "solver": {"nodes": 51, "time_step": 0.01, "lambda_infinity": -0.5},
 }
 SHORT_BENDING = 1e-6 * WEIGHT * 1.75**2  # N m2: EI* = EI/(m g L^3) = 1e-6
-WIRE = {  # 200 m of 25 mm steel wire with a 1000 kg body in still water
+WIRE = {  # 200 m of 25 mm steel wire with a 1000 kg body in still water, which is above z = 0 too, as where its numbers come from
     "cable": {"length": 200.0, "mass_per_length": 3.0, "axial_stiffness": 5e7, "diameter": 0.025, "normal_drag_coefficient": 1.2},
     "body": {"mass": 1000.0, "volume": 0.4, "drag_area": 1.0, "added_mass": 400.0},
-    "water": {"density": 1025.0},
+    "water": {"density": 1025.0, "surface": False},
     "solver": {"nodes": 51, "time_step": 0.05, "lambda_infinity": -0.5},
 }
 

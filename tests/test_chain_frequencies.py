@@ -8,6 +8,7 @@ from scipy.special import jn_zeros
 
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
+from cable_model.kernels.slack import floor
 from cable_model.kernels.staggered import assemble
 from cable_model.kernels.staggered_step import Gains, Winding, newton_step
 from cable_model.parameters import INTEGRATORS
@@ -26,10 +27,10 @@ def dense(model, gains: Gains) -> np.ndarray:
     now = view(model)
     n, d = now.y.shape[0] // 2, now.y.shape[1]
     s = now.scratch
-    s.cells[: n - 1, 0] = now.force
+    problem = build(model.parts, model.numbers, 0.0)
+    s.cells[: n - 1, 0] = [t + floor(model.parts, problem.numeric, h) for t, h in zip(now.force, now.mesh[:, 0], strict=True)]
     s.cells[: n - 1, 2] = np.linalg.norm(now.y[: n - 1], axis=1)
     s.cells[: n - 1, 3 : 3 + d] = now.y[: n - 1] / s.cells[: n - 1, 2:3]
-    problem = build(model.parts, model.numbers, 0.0)
     assemble(
         model.parts,
         problem,

@@ -86,7 +86,6 @@ def test_a_uniform_current_is_a_moving_frame():
         {"cable__bending_stiffness": 0.0},
         {"cable__axial_damping": 0.0},
         {"body__mass": 0.0},
-        {"body__mass": 0.0, "body__volume": 1.0, "body__drag_area": 3.0},
         {"water__density": 0.0},
         {"current__speed": 0.0},
         {"waves__amplitude": 0.0, "waves__period": 5.0},
