@@ -61,7 +61,7 @@ EFFECTS = (
         costs={"body": {"body.mass": 0.1}},
     ),
     Effect(
-        "anchor", "anchored lower end", Given("lower_end.anchored") & ~On("released"), ("lower_end.anchored",),
+        "anchor", "anchored lower end", Given("lower_end.anchored") & ~On("released"), ("lower_end.anchored",), models=(CHAIN,),
         numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
     ),
     Effect(

@@ -230,7 +230,9 @@ def field_of(name: str) -> dataclasses.Field:
 
 
 def value_of(scene: Any, name: str) -> Any:
-    """A scene's value by its dotted name; of a part that it lacks, zero."""
+    """A scene's value by its dotted name; of a part that it lacks the default, but no water has density 0."""
     part, _, key = name.partition(".")
     holder = getattr(scene, part)
-    return 0.0 if holder is None else getattr(holder, key)
+    if holder is None:
+        return 0.0 if name == "water.density" else field_of(name).default
+    return getattr(holder, key)

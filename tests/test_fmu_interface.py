@@ -140,6 +140,7 @@ def test_every_parameter_reaches_the_scene():
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
+        needs["seabed.level"] = needs["seabed.friction_coefficient"] = {"seabed.stiffness": 1e5}
         needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
         model = used_by(row.scene_name)[0]

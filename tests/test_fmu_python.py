@@ -126,7 +126,7 @@ def test_a_reset_instance_is_a_new_one(fmu: Fmu):
     instance.initialize(LONE_CHANGES, sway(0.0))
     instance.run(10)
     instance.slave.reset()
-    assert [instance.get(name) for name in LONE_CHANGES] == [100.0, 51, 1025.0]
+    assert [instance.get(name) for name in LONE_CHANGES] == [100.0, 0.01, 1025.0]
     assert instance.get("top.x") == 0.0
     instance.initialize(None, sway(0.0))
     assert np.array_equal(instance.run(20), fresh(fmu))
@@ -201,9 +201,14 @@ def test_the_state_holds_no_pickle_and_is_read_by_its_head(fmu: Fmu):
 # -- communication step
 
 
+def few_nodes(fmu: Fmu) -> dict[str, object]:
+    """So that a chain is fast; the straight cable has none."""
+    return {"solver.nodes": 21} if KEYS[fmu.path.stem] == "chain" else {}
+
+
 def deviation(fmu: Fmu, order: int, step: float, duration: float) -> np.ndarray:
     """Rms deviation of force_x, force_z, body.x, body.z from a run whose top is known exactly, over their half ranges."""
-    values = {"top.motion_order": order, "solver.time_step": 0.003125, "solver.nodes": 21}
+    values = {"top.motion_order": order, "solver.time_step": 0.003125, **few_nodes(fmu)}
     watched = [OUTPUTS.index(name) for name in ("top.force_x", "top.force_z", "body.x", "body.z")]
     model, instance = library(fmu, values), fmu.instance()
     instance.initialize(values, SMOOTH(0.0))
@@ -231,7 +236,7 @@ def test_error_of_sampled_inputs_falls_with_the_fourth_power_of_the_communicatio
 
 def test_what_is_extrapolated_exactly_does_not_depend_on_the_communication_step(fmu: Fmu):
     """A top of constant velocity: the same internal steps, whatever the communication step."""
-    values = {"solver.time_step": 0.0125, "solver.nodes": 21}
+    values = {"solver.time_step": 0.0125, **few_nodes(fmu)}
 
     def tow(time: float) -> np.ndarray:
         return np.array([0.3 * time, 0.0, 0.1 * time, 0.3, 0.0, 0.1, 0.0, 0.0, 0.0])
