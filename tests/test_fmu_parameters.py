@@ -26,10 +26,12 @@ SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
     "chain": (
         {}, SEA, MOORED, {"cable.compressible": True}, {"cable.quadratic_damping": 1e4}, {**SEA, "solver.space": True},
         {"solver.tolerance": 1e-3, "solver.time_step": 0.05}, {"winch.fitted": True}, {**MOORED, "solver.space": True},
+        {"solver.grid": 1},
     ),
     "tow": (
         {}, SEA, {"tow.poisson_ratio": 0.3, "tow.reference_tension": 1e3}, {"tow.body_angle": 0.5, "tow.drag_area_axial": 0.7},
         {**SEA, "solver.space": True}, {"tow.poisson_ratio": 0.3, "tow.explicit": True}, {"body.mass": 60.0, "body.volume": 0.06},
+        {"tow.minimum_tension": 1e4},
     ),
 }  # fmt: skip
 
@@ -43,7 +45,7 @@ def others(row: Variable, value: Any) -> list[Any]:
     if row.unit == "rad":
         return [value + math.pi, value + 0.5]
     most = math.inf if row.maximum is None else row.maximum
-    return [min(row.gap or 1.3 * value or 0.4, most), 0.7 * value, min(value + 1e3, most)]
+    return [other for other in (min(row.gap or 1.3 * value or 0.4, most), 0.7 * value, min(value + 1e3, most)) if other != value]
 
 
 def outputs(fmu: Fmu, values: dict[str, Any]) -> np.ndarray:
@@ -71,10 +73,20 @@ class Seen:
             self._plain[k] = outputs(self.fmu, SETTINGS[self.model][k])
         return self._plain[k]
 
+    def runs(self, k: int) -> bool:
+        """Whether the FMU has the setting: the native one has no box grid."""
+        try:
+            self.plain(k)
+        except FMICallException:
+            return False
+        return True
+
     def verdict(self, row: Variable) -> str:
         """Whether a parameter "changes" an output, is always "refused", or is "ignored"."""
         accepted = False
         for k, setting in enumerate(SETTINGS[self.model]):
+            if not self.runs(k):
+                continue
             for value in others(row, setting.get(row.name, row.start)):
                 try:
                     found = outputs(self.fmu, {**setting, row.name: value})

@@ -274,7 +274,7 @@ def changed_sources(folder: Path, factor: float) -> Path:
     """A copy of both packages in which gravity is multiplied."""
     for package in ("cable_model", "fmu_src"):
         shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__", "*.toml"))
-    scene = folder / "cable_model" / "scene.py"
+    scene = folder / "cable_model" / "simulated.py"
     text = scene.read_text(encoding="utf-8")
     wrapped = f"""
 
