@@ -209,6 +209,8 @@ def few_nodes(fmu: Fmu) -> dict[str, object]:
 def deviation(fmu: Fmu, order: int, step: float, duration: float) -> np.ndarray:
     """Rms deviation of force_x, force_z, body.x, body.z from a run whose top is known exactly, over their half ranges."""
     values = {"top.motion_order": order, "solver.time_step": 0.003125, **few_nodes(fmu)}
+    if few_nodes(fmu):
+        values["water.surface"] = False  # the top heaves through z = 0, where forces have kinks of their own
     watched = [OUTPUTS.index(name) for name in ("top.force_x", "top.force_z", "body.x", "body.z")]
     model, instance = library(fmu, values), fmu.instance()
     instance.initialize(values, SMOOTH(0.0))
