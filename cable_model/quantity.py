@@ -55,7 +55,7 @@ def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool)
     try:
         finite = math.isfinite(value)
     except OverflowError:  # a whole number that no float holds
-        raise refuse(name, f"a number of {len(str(value))} digits", facts["unit"], "finite", remedy) from None
+        raise refuse(name, value, facts["unit"], "below 1.8e308", remedy) from None
     if not finite:
         raise refuse(name, float(value), facts["unit"], "finite", remedy)
     if whole and value != int(value):
