@@ -124,7 +124,8 @@ def test_the_energy_of_a_swinging_chain_that_is_paid_out_balances():
 
 def test_a_mooring_that_is_paid_out_comes_to_rest_as_a_longer_one():
     base = {
-        "cable": {"length": 33.0, "mass_per_length": 0.08, "axial_stiffness": 1e4, "diameter": 0.0022, "normal_drag_coefficient": 2.5},
+        "cable": {"length": 33.0, "mass_per_length": 0.08, "axial_stiffness": 1e4, "diameter": 0.0022, "normal_drag_coefficient": 2.5,
+                  "axial_damping": 100.0},  # else nothing ends its axial vibration
         "lower_end": {"anchored": True, "z": -3.0},
         "water": {"density": 1000.0},
         "seabed": {"level": -3.0, "stiffness": 1e7, "damping_ratio": 1.0},
@@ -132,7 +133,7 @@ def test_a_mooring_that_is_paid_out_comes_to_rest_as_a_longer_one():
         "top": {"position": [32.4, 0.0, 0.0]},
         "solver": {"nodes": 41, "time_step": 0.02, "lambda_infinity": -0.5},
         "run": {"duration": 40.0, "output_step": 0.1},
-    }
+    }  # fmt: skip
     wound = simulate(make(base))
     longer = make(base, cable__length=33.5, winch__fitted=False, winch__speeds=[])
     longer.initialize(still((32.4, 0.0, 0.0))(0.0))
