@@ -13,13 +13,13 @@ import numpy as np
 
 from cable_model import tables
 from cable_model.effects import BY_NAME, CHAIN
+from cable_model.kernels import header
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import is_on
 
 NEUTRAL = 1e-6  # share of the dry weight below which a weight in water is one of rounding and of measured densities
 FEWEST_STEPS = 20  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 LONGEST_PHASE = 1.0  # rad of a wave in a cell: 26 graded nodes have it in the eighth mode of a hanging chain, whose frequency errs by 0.2 %
-LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
 FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
 
 
@@ -57,24 +57,12 @@ def before_the_run(scene: Any, model: str) -> Iterator[str]:
         )
 
 
-def at_the_start(scene: Any, model: str, outputs: Sequence[float], top_z: float = 0.0) -> Iterator[str]:
-    """What the static equilibrium, with these outputs under a top at this height, makes doubtful."""
+def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[str]:
+    """What the static equilibrium, with these outputs in the order of signals.OUTPUTS, makes doubtful."""
     cable = scene.cable
-    highest = max(top_z, outputs[OUTPUTS.index("body.z")])
-    if highest > 0.0 and is_on(BY_NAME["water"], scene, model) and not is_on(BY_NAME["surface"], scene, model):
-        yield (
-            f"an end of the cable at z = {highest:.3g} m, the water's surface at 0: what is above it is simulated as if under water. "
-            "Set water.surface = true where the model and the grid have it (CableChain, staggered)."
-        )
-    tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
-    strain = tensions[1] / cable.axial_stiffness
-    if strain > LARGEST_STRAIN and not cable.stiffness_curve and not is_on(BY_NAME["inextensible"], scene, model):
-        yield (
-            f"strain = {strain:.3g} under {tensions[1]:.4g} N, beyond {LARGEST_STRAIN:g}: few cables have it, and none keeps its diameter. "
-            "Check the unit of cable.axial_stiffness (N)."
-        )
     if model != CHAIN:
         return
+    tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
     water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
     mean = max(0.5 * (tensions[0] + tensions[1]), 1e-3 * tensions[1])
     across = math.sqrt(mean / (cable.mass_per_length + water)) if mean > 0.0 else math.inf
@@ -89,6 +77,24 @@ def at_the_start(scene: Any, model: str, outputs: Sequence[float], top_z: float 
             )
 
 
-def doubts(scene: Any, model: str, outputs: Sequence[float], top_z: float) -> tuple[str, ...]:
-    """All warnings of a run that starts with these outputs, in the order of signals.OUTPUTS, and its top at this height, m."""
-    return (*before_the_run(scene, model), *at_the_start(scene, model, outputs, top_z))
+# Kinds that the kernels see while a run goes on, in the order of kernels.watch: printf formats of their two numbers, for C as for Python
+SEEN = (
+    "top = %.3g m from where its inputs led, in a step of %.3g s: it jumps, and the cable feels a blow. "
+    "Give start values of the inputs that go with the first step, and a motion without jumps.",
+    "way of the top = %.3g m, of which its velocities miss %.3g m: what is led on between the steps is wrong. "
+    "Give top.vx, top.vy and top.vz of the same motion, or set top.motion_order = 0.",
+    "velocity of the top changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
+    "Give top.ax, top.ay and top.az of the same motion, or set top.motion_order = 1.",
+    "an end of the cable at z = %.3g m, above %.3g m: what is in air is simulated as if under water. "
+    "Set water.surface = true where the model and the grid have it (CableChain, staggered).",
+    "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
+    "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. Check the unit of cable.axial_stiffness (N).",
+)
+
+
+def seen(state: np.ndarray) -> tuple[str, ...]:
+    """What the kernels saw in a run up to this state."""
+    if state[header.DOUBTS] == 0.0:
+        return ()
+    pairs = state[header.DOUBT : header.DOUBT + 2 * len(SEEN)].reshape(-1, 2)
+    return tuple(text % tuple(pair) for text, pair in zip(SEEN, pairs, strict=True) if pair.any())

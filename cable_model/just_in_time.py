@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import header, top
+from cable_model.kernels import header, top, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.signals import OUTPUTS
 
@@ -30,6 +30,7 @@ class JustInTime:
         top.start_top(self._order, self.state, inputs)
         status = self._equilibrium(time)
         if status == header.OK:
+            watch.watch_start(self.state, inputs)
             self.read_outputs()
         return status
 
@@ -42,6 +43,7 @@ class JustInTime:
         return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
+        watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
         top.follow_inputs(self._order, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step)
         if status == header.OK:

@@ -8,7 +8,7 @@ from types import ModuleType
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
-from cable_model.doubts import doubts
+from cable_model.doubts import at_the_start, before_the_run, seen
 from cable_model.errors import SolverError, refuse
 from cable_model.kernels import header
 from cable_model.scene import Scene
@@ -49,6 +49,7 @@ class Model:
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
+        self._at_start: tuple[str, ...] = ()
         self._calls = (precompiled and precompiled(self)) or self._just_in_time()
 
     @staticmethod
@@ -82,10 +83,16 @@ class Model:
         self._check_start(inputs)
         self.state[:] = 0.0
         self._must(self._calls.start(float(time), inputs), time)
+        self._at_start = (*before_the_run(self.scene, self.name), *at_the_start(self.scene, self.name, self.outputs.tolist()))
 
     def warnings(self) -> tuple[str, ...]:
-        """What is doubtful about a run from the outputs at hand, to be asked for after `initialize`."""
-        return doubts(self.scene, self.name, self.outputs.tolist(), float(self.state[header.TOP + 2]))
+        """What is doubtful about the run so far; none before `initialize`."""
+        return (*self._at_start, *seen(self.state))
+
+    @property
+    def doubts(self) -> int:
+        """How many kinds of doubt the run itself has brought up so far; only where it grows does `warnings`."""
+        return int(self.state[header.DOUBTS])
 
     def _check_start(self, inputs: np.ndarray) -> None:
         """Refuse a top that does not go with the scene."""

@@ -133,7 +133,6 @@ def simulate(
 
     start = motion(0.0, 1)
     model.initialize(start)
-    warnings = model.warnings()
     record(0.0, start)
     try:
         for output in output_steps(duration, step):
@@ -142,5 +141,5 @@ def simulate(
             if progress is not None:
                 progress(output.end)
     except SolverError as error:
-        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), warnings)) from error
-    return Result(COLUMNS, np.array(rows), np.array(shapes), warnings)
+        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings())) from error
+    return Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings())

@@ -99,6 +99,8 @@ class CableSlave(Fmi2Slave):
         self._entered = np.zeros(len(INPUTS))
         self._outdated = True
         self._model: Model | None = None
+        self._doubts = 0
+        self._told: set[str] = set()
         self._alive.add(self)
 
     @classmethod
@@ -137,8 +139,7 @@ class CableSlave(Fmi2Slave):
         self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
         self._phase = Phase.RUNNING
         self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
-        for doubt in () if self._model is None else self._model.warnings():
-            self.log(doubt, Fmi2Status.warning)
+        self._tell_doubts()
         if self._model is not None and (why := self.object_code.refusal(self._model)):
             self.log(f"numba compiled the kernels: {why}")
 
@@ -157,7 +158,19 @@ class CableSlave(Fmi2Slave):
             raise
         self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), self._model.outputs.tolist(), strict=True))
         self._real[_CPU_TIME] += clock.thread_time() - begun
+        if self._model.doubts > self._doubts:
+            self._tell_doubts()
         return True
+
+    def _tell_doubts(self) -> None:
+        """Log each warning once in the life of an instance."""
+        if self._model is None:
+            return
+        self._doubts = self._model.doubts
+        for text in self._model.warnings():
+            if text not in self._told:
+                self._told.add(text)
+                self.log(text, Fmi2Status.warning)
 
     @_guarded
     def terminate(self) -> None:
@@ -288,6 +301,7 @@ class CableSlave(Fmi2Slave):
         self._integer |= kept["Integer"]
         self._boolean |= kept["Boolean"]
         self._model = model
+        self._doubts = 0 if model is None else model.doubts
 
     def _of_kind(self, values: dict[int, float], kind: str) -> dict[int, Any]:
         python = {"Real": float, "Integer": int, "Boolean": bool}[kind]

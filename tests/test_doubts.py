@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from cable_model import CableChain, TowCable, load, simulate
 from cable_model.cli import app
 from cable_model.doubts import FEWEST_STEPS, at_the_start, before_the_run, forcing
-from cable_model.scene import from_dict, shipped, to_toml, with_values
+from cable_model.model import Model
+from cable_model.scene import Scene, from_dict, shipped, to_toml, with_values
 from cable_model.signals import OUTPUTS
 
 WIRE = {"cable": {"length": 100.0, "mass_per_length": 1.0, "axial_stiffness": 1e6, "diameter": 0.01}}
@@ -73,23 +76,6 @@ def test_cells_that_do_not_resolve_waves_along_and_across_are_told():
     assert not list(at_the_start(scene, "tow", outputs(500.0, 1500.0)))
 
 
-def test_ends_above_the_water_are_told_where_the_surface_is_not_simulated():
-    wet = from_dict({**WIRE, "water": {}})
-    assert not list(at_the_start(wet, "chain", outputs(1.0, 1.0), 5.0))
-    (text,) = at_the_start(wet, "tow", outputs(1.0, 1.0), 5.0)
-    assert FORM.fullmatch(text)
-    assert text.startswith("an end of the cable at z = 5 m, the water's surface at 0:")
-    assert len(list(at_the_start(with_values(wet, {"water.surface": False}), "chain", outputs(1.0, 1.0), 5.0))) == 1
-    assert not list(at_the_start(wet, "tow", outputs(1.0, 1.0), -0.1))
-
-
-def test_a_strain_beyond_a_tenth_is_told():
-    (text,) = at_the_start(from_dict(WIRE), "tow", outputs(0.0, 2e5))
-    assert FORM.fullmatch(text)
-    assert text.startswith("strain = 0.2 under 2e+05 N, beyond 0.1:")
-    assert not list(at_the_start(from_dict(WIRE), "tow", outputs(0.0, 0.9e5)))
-
-
 def test_a_run_and_the_command_line_tell_them_and_the_numbers_are_the_same(tmp_path: Path):
     scene = with_values(load("dale_sphere"), {"solver.time_step": 0.5, "run.output_step": 0.5, "run.duration": 2.0})
     result = simulate(TowCable(scene))
@@ -100,6 +86,138 @@ def test_a_run_and_the_command_line_tell_them_and_the_numbers_are_the_same(tmp_p
     assert done.exit_code == 0
     assert f"warning: {result.warnings[0]}" in done.stderr
     assert "warning" not in done.stdout
+
+
+# -- what the kernels see while a run goes on
+
+OMEGA = 0.4 * math.pi
+POSITION, VELOCITY, ACCELERATION = (np.repeat(np.arange(4) == k, [3, 3, 3, 1]) for k in range(3))
+Inputs = Callable[[float], np.ndarray]
+
+
+def heaving(amplitude: float, values: Mapping[str, object] | None = None, order: int = 1) -> tuple[Scene, Inputs]:
+    """A scene, and inputs of a top that heaves by sin(OMEGA t)."""
+    scene = with_values(from_dict(WIRE), {"body.mass": 50.0, "top.motion_order": order, "solver.nodes": 6, **(values or {})})
+
+    def inputs(time: float) -> np.ndarray:
+        sine, cosine = amplitude * math.sin(OMEGA * time), amplitude * math.cos(OMEGA * time)
+        return np.array([0.0, 0.0, sine, 0.0, 0.0, OMEGA * cosine, 0.0, 0.0, -(OMEGA**2) * sine, 0.0])
+
+    return scene, inputs
+
+
+def moved(inputs: Inputs, x: float = 0.0, z: float = 0.0, since: float = -1.0) -> Inputs:
+    """The same inputs, from a time on with the top elsewhere."""
+    offset = np.array([x, 0.0, z, *[0.0] * 7])
+    return lambda time: inputs(time) + offset * (time > since)
+
+
+def times(inputs: Inputs, factors: np.ndarray) -> Inputs:
+    return lambda time: inputs(time) * factors
+
+
+def told(scene: Scene, inputs: Inputs, step: float = 0.1, steps: int = 30, kind: type[Model] = TowCable) -> list[str]:
+    """What a run under inputs at the starts of steps leaves doubtful; no more than once each."""
+    model = kind(scene)
+    model.initialize(inputs(0.0))
+    for k in range(steps):
+        model.step(k * step, step, inputs(k * step))
+    before = {*before_the_run(scene, model.name)}
+    texts = [text for text in model.warnings() if text not in before]
+    assert all(FORM.fullmatch(text) for text in texts)
+    return texts
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("step", [0.01, 0.1, 0.5])
+def test_a_motion_that_goes_with_its_velocities_leaves_no_doubt(order: int, step: float):
+    scene, inputs = heaving(1.0, order=order)
+    assert not told(scene, inputs, step)
+    assert not told(scene, lambda time: inputs(time + 1.25), step)  # from rest, at once with its acceleration
+    assert not told(scene, lambda time: np.array([3.0 * time, 0.0, 0.0, 3.0, *[0.0] * 6]), step)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("length", [10.0, 100.0, 3000.0])
+def test_a_top_that_jumps_is_told_with_how_far(order: int, length: float):
+    scene, inputs = heaving(0.1, {"cable.length": length}, order)
+    for since in (0.0, 0.75):
+        (text,) = told(scene, moved(inputs, x=1.0, since=since))
+        assert text.startswith("top = 1 m from where its inputs led, in a step of 0.1 s:")
+
+
+def test_the_jump_of_a_host_that_connects_nothing_at_the_start_is_told():
+    scene, _ = heaving(0.0)
+    model = TowCable(scene)
+    model.initialize(np.zeros(10))
+    model.step(0.0, 0.1, np.array([10.0, *[0.0] * 9]))
+    assert model.warnings()[-1].startswith("top = 10 m from where its inputs led")
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_velocities_that_do_not_go_with_the_positions_are_told(order: int):
+    scene, inputs = heaving(1.0, order=order)
+    (text,) = told(scene, times(inputs, POSITION))  # only positions are connected
+    assert re.match(r"way of the top = (\S+) m, of which its velocities miss \1 m: ", text)
+    assert text.endswith("or set top.motion_order = 0.")
+    velocities = "of which its velocities miss"
+    assert velocities in told(scene, times(inputs, 1.0 - 2.0 * VELOCITY))[0]  # with z down
+    assert velocities in told(scene, times(inputs, 1.0 + 2.6 * VELOCITY))[0]  # in km/h
+    assert velocities in told(scene, times(inputs, VELOCITY))[0]  # only velocities are connected
+    assert not told(heaving(1.0, order=0)[0], times(inputs, POSITION))
+
+
+def test_accelerations_that_do_not_go_with_the_velocities_are_told_where_they_count():
+    scene, inputs = heaving(1.0, order=2)
+    (text,) = told(scene, times(inputs, POSITION | VELOCITY))
+    assert "its accelerations miss" in text
+    assert not told(heaving(1.0, order=1)[0], times(inputs, POSITION | VELOCITY))
+
+
+def test_ends_above_the_water_are_told_where_the_surface_is_not_simulated():
+    wet = {"water.density": 1025.0}
+    scene, inputs = heaving(2.0, wet)
+    (text,) = told(scene, inputs)
+    assert re.match(r"an end of the cable at z = 1\.\d+ m, above 1 m: ", text)  # a hundredth of the length is let pass
+    assert not told(*heaving(0.9, wet))
+    assert not told(*heaving(2.0))
+    assert told(scene, moved(inputs, z=0.1), steps=1)[0].startswith("an end of the cable at z = 0.1 m, above 0 m: ")
+    assert not told(scene, moved(inputs, z=-2.0))
+
+
+def test_a_strain_beyond_a_tenth_is_told():
+    (text,) = told(*heaving(0.0, {"cable.axial_stiffness": 5000.0}), steps=1)
+    assert re.match(r"strain = 0\.\d+ under \d+(\.\d+)? N, beyond 0\.1: ", text)
+    assert not told(*heaving(0.0, {"cable.axial_stiffness": 50000.0}), steps=1)
+
+
+def test_a_cable_through_the_bottom_of_the_waves_is_told():
+    waves = {"water.density": 1025.0, "waves.amplitude": 0.1, "water.depth": 101.0}
+    scene, _ = heaving(0.0, waves)
+    lowered = lambda time: np.array([0.0, 0.0, -time, 0.0, 0.0, -1.0, *[0.0] * 4])  # noqa: E731
+    assert told(scene, lowered)[0].startswith("lower end at z = -101")
+    assert not told(with_values(scene, {"water.depth": 110.0}), lowered)
+
+
+def test_the_chain_sees_what_the_tow_model_sees():
+    scene, inputs = heaving(1.0)
+    only = times(inputs, POSITION)
+    assert told(scene, only, steps=5, kind=CableChain) == told(scene, only, steps=5)
+
+
+@pytest.mark.parametrize("flavour", ["fmus", "native"])
+@pytest.mark.parametrize("key", ["chain", "tow"])
+def test_every_fmu_logs_each_doubt_once(request: pytest.FixtureRequest, flavour: str, key: str):
+    instance = request.getfixturevalue(flavour)[key].instance()
+    instance.initialize(None, np.zeros(10))
+    instance.step(0.0, 0.1, [10.0, *[0.0] * 9])
+    for k in range(1, 5):
+        instance.step(0.1 * k, 0.1, [10.0 + 0.1 * k, *[0.0] * 9])
+    texts = [text for status, text in instance.messages if status == 1]
+    assert [text.partition(" = ")[0] for text in texts] == ["top", "way of the top"]
+    assert texts[0].startswith("top = 10 m from where its inputs led, in a step of 0.1 s: it jumps")
+    assert all(FORM.fullmatch(text) for text in texts)
+    instance.close()
 
 
 @pytest.mark.parametrize("name", [name for name in shipped() if "/" not in name])

@@ -12,6 +12,7 @@ from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
+from cable_model.kernels.watch import watch_outputs
 
 # what a model calls
 __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
@@ -353,6 +354,7 @@ def outputs(parts, p, state, work, out):
     out[15] = state[header.STEPS]
     out[16] = state[header.NEWTON]
     out[17] = state[header.REJECTED]
+    watch_outputs(parts, p, state, out)
 
 
 @kernel

@@ -25,7 +25,10 @@ WINCH_ACCELERATION = 34
 LAST_ERROR = 35  # that the error control found in the last step, m/s2
 CONTRACTION = 36  # of Newton's changes, see convergence.py
 LARGEST_MOTION = 37  # largest rms acceleration that the error control has seen, m/s2
-HEADER = 40
+DOUBTS = 40  # how many kinds of doubt watch.py has seen
+DOUBT = 41  # 41..52: a pair of numbers for each kind, 0 until it is seen
+WATCH = 53  # 53..67: what watch.py keeps
+HEADER = 68
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -50,6 +50,7 @@ from cable_model.kernels.tow_schemes import (
 from cable_model.kernels.tow_space import keep_in_space, motion_in_space, outputs_in_space, recharted_in_space
 from cable_model.kernels.tow_static import initialize, node_positions, state_size
 from cable_model.kernels.vector import diagonal
+from cable_model.kernels.watch import watch_outputs
 
 __all__ = ("advance", "initialize", "node_positions", "outputs", "state_size", "work_size")
 
@@ -307,3 +308,4 @@ _outputs = by_presence(outputs_in_plane, outputs_in_space)
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     _outputs(parts.space, parts, p, state, work, out)
+    watch_outputs(parts, p, state, out)

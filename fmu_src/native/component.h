@@ -29,6 +29,7 @@ typedef struct {
     int64_t n_levels, n_components, n_state, n_work;
     double *state, *work;
     char active[1024];
+    unsigned told; /* a bit for each kind of doubt */
 } Instance;
 
 /* -- errors and memory */
@@ -63,6 +64,14 @@ static void inform(const Instance *m, const char *format, ...)
     va_start(arguments, format);
     if (m->logging)
         tell(m, fmi2OK, "logAll", format, arguments);
+    va_end(arguments);
+}
+
+static void warn(const Instance *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    tell(m, fmi2Warning, "logStatusWarning", format, arguments);
     va_end(arguments);
 }
 
@@ -184,6 +193,13 @@ static int64_t run(Instance *m, int what, double time, double step, const double
     for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
         if (!isfinite(outputs[k]))
             status = NOT_FINITE;
+    for (unsigned k = 0; what != SIZES && status == OK && m->state[DOUBTS] > 0.0 && k < sizeof doubts / sizeof *doubts; k++) {
+        const double *seen = m->state + DOUBT + 2 * k;
+        if ((seen[0] != 0.0 || seen[1] != 0.0) && !(m->told & 1u << k)) {
+            warn(m, doubts[k], seen[0], seen[1]);
+            m->told |= 1u << k;
+        }
+    }
     return broken ? NOT_FINITE : status;
 }
 

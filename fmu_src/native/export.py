@@ -107,7 +107,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import header, top
+    from cable_model.kernels import header, top, watch
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
@@ -130,9 +130,11 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         if what == START:
             top.start_top(order, state, inputs)
             status = initialize(parts, numbers, time, state, work[WORK:])
+            watch.watch_start(state, inputs)
         else:
             path = work[PATH:END].reshape((6, 4))
             end = work[END:WORK]
+            watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, state, inputs, step, end, path)
             outputs[0] = top.mean_speed(path, step)
             if outputs[0] > FASTEST_TOP:

@@ -12,6 +12,7 @@ import numpy as np
 
 from cable_model.calls import TOO_FAST, Calls
 from cable_model.condition import Literal
+from cable_model.doubts import SEEN
 from cable_model.effects import PARAMETERS, Parts
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
@@ -152,6 +153,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
         "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
+        "DOUBTS": header.DOUBTS, "DOUBT": header.DOUBT,
         "FAILURE_ARGUMENTS": arguments,
         "TOO_FAST_TEXT": _text(_too_fast(bare)), "STEP_TEXT": _text(rules.step_text),
         "MODEL_NAME": _text(MODELS[model].__name__), "MODEL_IDENTIFIER": _text(identifier),
@@ -174,6 +176,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("char", "variants", (f"{{{', '.join(str(v[name]) for name in Parts._fields)}}}" for v in variants), "][N_PARTS"),
         _array("Effect", "effects", reasons),
         _array("char *const", "failures", formats),
+        _array("char *const", "doubts", (_text(text) for text in SEEN)),
         _array("double", "baked_levels", levels or ["{0.0, 0.0, 0.0}"], "][3"),
     ]
     return "\n".join(blocks)
