@@ -1,0 +1,160 @@
+"""The battery's scenes and runs: random scenes from the table of effects, and what a scene in other units, elsewhere or turned is."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from hypothesis import strategies as st
+
+from cable_model.effects import CHAIN, COST_CASES, TOW
+from cable_model.errors import ParameterError, SolverError
+from cable_model.model import Model
+from cable_model.models import MODELS
+from cable_model.parameters import field_of, value_of
+from cable_model.scene import Scene, from_dict, with_values
+from cable_model.simulated import refused_by
+from fmu_src.interface import generic_scene, table
+from fmu_src.model_description import base_units
+
+BASE = {
+    "cable": {"length": 1.75, "mass_per_length": 0.1, "axial_stiffness": 17167.5, "diameter": 0.01},
+    "environment": {"gravity": 9.81},
+    "solver": {"nodes": 7, "time_step": 0.02},
+}
+# what rows of the table have no cost case for
+OTHER_CASES: Mapping[str, Mapping[str, Any]] = {
+    "anchored": {"lower_end.anchored": True, "lower_end.x": 0.7, "lower_end.z": -1.4},
+    "lying": {"lower_end.anchored": True, "lower_end.x": 1.4, "lower_end.z": -0.8, "seabed.level": -0.8, "seabed.stiffness": 1e6},
+    "held aside": {"lower_end.release_force": 1.0},
+    "let go": {"lower_end.anchored": True, "lower_end.released": True, "lower_end.x": 0.7, "lower_end.z": -1.4},
+    "no cable mass": {"tow.cable_mass": False, "body.mass": 0.1},
+    "floor": {"tow.minimum_tension": 0.1, "body.mass": 0.1},
+    "thinning": {"tow.poisson_ratio": 0.3},
+    "float": {"body.mass": 0.1, "body.volume": 2e-4, "body.drag_area": 1e-3, "body.added_mass": 0.1, "water.density": 1000.0},
+    "top in air": {"top.position": (0.0, 0.0, 0.3), "water.density": 1000.0},
+}
+CASES = {**COST_CASES, **OTHER_CASES}
+VARIED = (
+    "cable.length", "cable.mass_per_length", "cable.axial_stiffness", "cable.diameter", "body.mass", "environment.gravity",
+    "cable.bending_stiffness", "seabed.stiffness", "current.speed", "waves.amplitude", "waves.period", "cable.axial_damping",
+)  # fmt: skip
+UNITS = [row.unit for row in table(generic_scene()) if row.causality == "output" and row.name != "solver.cpu_time"]  # of the outputs
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> tuple[str, Scene]:
+    """A model, and a scene that it takes: some cases of the table together, with numbers off their own by up to a factor of four."""
+    values: dict[str, Any] = {}
+    for name in draw(st.lists(st.sampled_from(sorted(CASES)), max_size=4, unique=True)):
+        values |= CASES[name]
+    scene = from_dict(BASE)
+    for name in VARIED:
+        own = values.get(name, value_of(scene, name))
+        values[name] = own * 2.0 ** draw(st.floats(-2.0, 2.0, width=32))
+    values["solver.nodes"] = draw(st.integers(3, 9))
+    values["solver.grading"] = draw(st.sampled_from([0.0, 1.0, 2.0]))
+    values["solver.lambda_infinity"] = draw(st.sampled_from([-0.9, -0.5, 0.0]))
+    values["top.motion_order"] = draw(st.integers(0, 2))
+    model = draw(st.sampled_from([CHAIN, CHAIN, CHAIN, TOW]))
+    try:
+        scene = with_values(scene, values)
+    except ParameterError:
+        return draw(scenes())
+    if next(refused_by(scene, model), None) is not None:
+        return draw(scenes())
+    return model, scene
+
+
+def unit_factor(unit: str, mass: float, length: float, time: float) -> float:
+    """By how much a number of that unit grows where the units of mass, length and time shrink by these factors."""
+    if unit in ("", "1", "rad"):
+        return 1.0
+    powers = base_units(unit)
+    return float(mass ** powers.get("kg", 0) * length ** powers.get("m", 0) * time ** powers.get("s", 0))
+
+
+def _scaled(value: Any, units: str, factors: tuple[float, float, float]) -> Any:
+    if isinstance(value, tuple):
+        columns = units.split(", ")
+        if value and isinstance(value[0], tuple):
+            return tuple(tuple(x * unit_factor(unit, *factors) for x, unit in zip(row, columns, strict=True)) for row in value)
+        return tuple(x * unit_factor(units, *factors) for x in value)
+    if isinstance(value, bool | int | str):
+        return value
+    return value * unit_factor(units, *factors) if value not in (-1.0,) or units in ("", "1", "rad") else value
+
+
+def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Scene:
+    """The same scene, its numbers as they are in smaller units of mass, length and time."""
+    parts = {}
+    for part in dataclasses.fields(scene):
+        holder = getattr(scene, part.name)
+        if not dataclasses.is_dataclass(holder) or isinstance(holder, type):
+            continue
+        parts[part.name] = dataclasses.replace(
+            holder,
+            **{
+                f.name: _scaled(getattr(holder, f.name), f.metadata["unit"], (mass, length, time))
+                for f in dataclasses.fields(holder)
+                if not (part.name == "top" and f.name == "motion")
+            },
+        )
+    return dataclasses.replace(scene, **parts)
+
+
+Inputs = Callable[[float], np.ndarray]
+
+
+def top_motion(scene: Scene) -> Inputs:
+    """A smooth motion of the top of the scene's own scale, from rest: a twentieth of the length at the pace of its pendulum."""
+    start = np.array(scene.top.position)
+    size = 0.05 * scene.cable.length
+    omega = 2.0 * math.sqrt(scene.environment.gravity / scene.cable.length)
+    ways = np.array([1.0, 0.7 if scene.solver.space else 0.0, -0.4]) * size
+
+    def inputs(time: float) -> np.ndarray:
+        phase = omega * time
+        place = (phase - math.sin(phase), omega * (1.0 - math.cos(phase)), omega**2 * math.sin(phase))
+        winch = 0.1 * size * omega * (1.0 - math.cos(phase)) if scene.winch.fitted else 0.0
+        return np.concatenate([start + ways * place[0], ways * place[1], ways * place[2], [winch]])
+
+    return inputs
+
+
+class Run:
+    """A model that goes on by communication steps of `step`."""
+
+    def __init__(self, model: str, scene: Scene, inputs: Inputs | None = None, step: float | None = None) -> None:
+        self.model: Model = MODELS[model](scene)
+        self.inputs = inputs or top_motion(scene)
+        self.step = step or 2.5 * min(scene.solver.time_step, 0.2 * math.sqrt(scene.cable.length / scene.environment.gravity))
+        self.steps = 0
+        self.rows: list[np.ndarray] = []
+        self.failed = ""
+        self._try(lambda: self.model.initialize(self.inputs(0.0)))
+
+    def _try(self, call: Callable[[], None]) -> None:
+        if self.failed:
+            return
+        try:
+            call()
+        except (ParameterError, SolverError) as error:
+            self.failed = str(error)
+        else:
+            self.rows.append(self.model.outputs.copy())
+            assert np.isfinite(self.rows[-1]).all()
+
+    def go(self, steps: int) -> Run:
+        for _ in range(steps):
+            time = self.steps * self.step
+            self._try(lambda time=time: self.model.step(time, self.step, self.inputs(time)))  # type: ignore[misc]
+            self.steps += 1
+        return self
+
+    @property
+    def table(self) -> np.ndarray:
+        return np.array(self.rows)

@@ -1,0 +1,112 @@
+"""Batteries: what must hold for every scene that the table of effects allows, tried on random ones.
+
+Kernels run as plain Python here: every combination of effects would be compiled for half a minute, and runs for half a second.
+Each test is a process of its own for that; `-m long` tries fifty times as many scenes.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import numpy as np
+import pytest
+from battery import UNITS, Run, in_other_units, scenes, top_motion, unit_factor
+from hypothesis import HealthCheck, given, note, settings
+from hypothesis import strategies as st
+
+from cable_model.scene import Scene
+from cable_model.signals import OUTPUTS
+from cable_model.simulated import one_line
+
+EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "25"))
+PLAIN = bool(numba.config.DISABLE_JIT)
+tried = settings(
+    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 25, database=None, print_blob=False,
+    suppress_health_check=list(HealthCheck),
+)  # fmt: skip
+BATTERIES = []
+
+
+def battery(test):
+    """A test over random scenes, run where kernels are plain Python."""
+    BATTERIES.append(test.__name__)
+    return pytest.mark.skipif(not PLAIN, reason="kernels would be compiled for each scene: see test_in_plain_python")(tried(test))
+
+
+def told(case: tuple[str, Scene]) -> tuple[str, Scene]:
+    model, scene = case
+    note(f"{model}: {one_line(scene, model)}")
+    note(repr(scene))
+    return case
+
+
+def close(found: np.ndarray, expected: np.ndarray, tolerance: float) -> None:
+    """Rows of outputs agree, each signal within a share of its own largest and of what goes with it."""
+    scale = np.abs(expected).max(axis=0)
+    for group in ((0, 1, 2, 3, 11, 12, 13), (5, 6, 7), (8, 9, 10)):
+        scale[list(group)] = scale[list(group)].max()
+    scale[[4, 14]] = 1.0
+    assert found.shape == expected.shape
+    worst = (np.abs(found - expected)[:, :15] / (scale[:15] + 1e-300)).max(axis=0)
+    assert (worst <= tolerance).all(), dict(zip(OUTPUTS, worst.tolist(), strict=False))
+
+
+@battery
+@given(scenes(), st.tuples(*[st.integers(-6, 6)] * 3))
+def test_units_are_a_matter_of_taste(case, powers):
+    """Powers of two are exact: the same scene in other units gives the same numbers, so nothing in the kernels has a size of its own."""
+    model, scene = told(case)
+    factors = tuple(2.0**power for power in powers)
+    other = in_other_units(scene, *factors)
+    first = Run(model, scene).go(4)
+    second = Run(model, other).go(4)
+    assert len(first.rows) == len(second.rows), (first.failed, second.failed)
+    if first.rows:
+        close(second.table / [unit_factor(unit, *factors) for unit in UNITS], first.table, 1e-9)
+        assert np.array_equal(first.table[:, 15:], second.table[:, 15:])
+
+
+@battery
+@given(scenes(), st.integers(1, 5))
+def test_a_saved_state_is_the_whole_state(case, when):
+    model, scene = told(case)
+    run = Run(model, scene).go(when)
+    if run.failed:
+        return
+    state, rows, steps = run.model.state.copy(), len(run.rows), run.steps
+    expected = run.go(3).table[rows:]
+    fresh = Run(model, scene)
+    fresh.model.state[:] = state
+    fresh.rows, fresh.steps = [], steps
+    found = fresh.go(3).table
+    assert np.array_equal(found, expected)
+
+
+@battery
+@given(scenes())
+def test_what_rests_goes_on_resting(case):
+    """Statics and dynamics are of one mind: under a top that stays, in still or steadily flowing water, nothing moves."""
+    model, scene = told(case)
+    if scene.waves.amplitude or scene.waves.spectrum != "none" or scene.lower_end.released or scene.lower_end.release_force:
+        return
+    still = top_motion(scene)(0.0)
+    run = Run(model, scene, lambda time: still).go(4)
+    assert not run.failed or len(run.rows) == 0, run.failed
+    if run.rows:
+        close(run.table, np.repeat(run.table[:1], len(run.rows), axis=0), 1e-6)
+
+
+@pytest.mark.skipif(PLAIN, reason="this is such a process")
+@pytest.mark.parametrize("name", BATTERIES)
+@pytest.mark.parametrize("examples", [25, pytest.param(1250, marks=pytest.mark.long)])
+def test_in_plain_python(name: str, examples: int):
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", f"{__file__}::{name}"],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "BATTERY_EXAMPLES": str(examples)}, cwd=Path(__file__).parents[1],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout[-6000:]
