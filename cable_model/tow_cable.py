@@ -51,7 +51,7 @@ class TowCable(Model):
         from cable_model.kernels import tow
 
         self.state[[tow.ANGLE, tow.ANGLE_RATE, tow.STRETCH, tow.STRETCH_RATE]] = angle, angular_velocity, stretch, stretch_velocity
-        self.state[header.NEXT_STEP] = 0.0
+        self.state[[header.NEXT_STEP, header.PENDING]] = 0.0
         self._calls.read_outputs()
         self._must(header.OK, self.state[header.TIME])
 
@@ -61,7 +61,7 @@ class TowCable(Model):
 
         self.state[tow_space.DIRECTION : tow_space.STATE_IN_SPACE] = *direction, *turning
         self.state[[tow.STRETCH, tow.STRETCH_RATE]] = stretch, stretch_velocity
-        self.state[header.NEXT_STEP] = 0.0
+        self.state[[header.NEXT_STEP, header.PENDING]] = 0.0
         self._calls.read_outputs()
         self._must(header.OK, self.state[header.TIME])
 

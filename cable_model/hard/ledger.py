@@ -14,7 +14,6 @@ import numpy as np
 from cable_model.cable_chain import CableChain
 from cable_model.kernels import header, layout
 from cable_model.kernels.build import build
-from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import water_motion
 from cable_model.kernels.surface import Share, cell_share, centre, level_over, share
 
@@ -33,8 +32,6 @@ class Ledger:
         self.displaced_area, self.added = cable.displaced_area, cable.added_mass(self.density)
         self.now = layout.cut(model.parts, model.numbers, model.state, model._work)
         self.numeric = build(model.parts, model.numbers, 0.0).numeric
-        solver = model.numbers[0].solver
-        self.c = coefficients(int(solver.integrator), solver.lambda_infinity)
 
     @property
     def weight(self) -> float:
@@ -87,8 +84,8 @@ class Ledger:
         h, split, q, v, at = self._shape()
         scene, parts = self.model.scene, self.model.parts
         n = len(h) + 1
-        time, last = self.model.state[header.TIME], self.model.state[header.STEP]
-        a = self.now.yd[n:] - (self.c.alpha_m - self.c.alpha_k) * last * self.now.ydd[n:]
+        time, offset = self.model.state[header.TIME], self.model.state[header.OFFSET]
+        a = self.now.yd[n:] - offset * self.now.ydd[n:]
         stretch = np.linalg.norm(q, axis=1, keepdims=True)
         t = q / stretch
         middle = 0.5 * (at[:-1] + at[1:])

@@ -1,18 +1,19 @@
 """The finite-difference chain as a component: initialization, time steps under one stepper for both grids, outputs."""
 
 import math
+from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
+from cable_model.kernels.chain_outputs import node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.family import coefficients
+from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
-from cable_model.kernels.slack import limited
+from cable_model.kernels.pending import build_bridge, followed, is_short, wait
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
-from cable_model.kernels.watch import watch_outputs
 
 # what a model calls
 __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
@@ -23,7 +24,17 @@ LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
 SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
+EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
+CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
+GROWTH = 2.0  # of the internal step from one to the next: what the mesh does not resolve rings on with 1 - (r - 1)/2 of it at a ratio of r
+FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
+
+
+@kernel
+def _natural_step(p, cable):
+    """The longest internal step, but at most the time in which the cable swings."""
+    return min(p[0].solver.time_step, math.sqrt(cable.length / max(cable.gravity, 1e-3)))
 
 
 @kernel
@@ -65,7 +76,7 @@ def set_off(parts, p, time, state, work):
     problem = build(parts, p, 0.0)
     top = top_at(parts, state, 0)
     state[header.MESH_LENGTH] = problem.cable.length
-    winding = _winding_now(parts.winch, problem, state)
+    winding = winding_now(parts.winch, problem, state)
     status = grid.starting_rates(parts.box, parts, problem, p, view, top, top_at(parts, state, 3), top_at(parts, state, 6), winding, time)
     if status != header.OK:
         return status
@@ -75,15 +86,27 @@ def set_off(parts, p, time, state, work):
     state[header.TIME] = time
     for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR, header.LARGEST_MOTION):
         state[k] = 0.0
+    for k in (header.PENDING, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP):
+        state[k] = 0.0
+    state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
 
 
+class Course(NamedTuple):
+    """Where the top and the winch go while a communication step is integrated."""
+
+    path: object
+    span: float  # s
+    bridge: object  # over the time that was pending at its start
+    pending: float  # s
+
+
 @kernel
-def _path_at(parts, path, h, s):
-    """Position and velocity of the top in the chain's dimension at fraction s of the communication step."""
-    x, vx, _ = evaluate(path, h, s, 0)
-    y, vy, _ = evaluate(path, h, s, 1)
-    z, vz, _ = evaluate(path, h, s, 2)
+def _top_on(parts, course, time):
+    """Position and velocity of the top in the chain's dimension at `time` from the start of the communication step."""
+    x, vx, _ = followed(course.path, course.span, course.bridge, course.pending, time, 0)
+    y, vy, _ = followed(course.path, course.span, course.bridge, course.pending, time, 1)
+    z, vz, _ = followed(course.path, course.span, course.bridge, course.pending, time, 2)
     return axes(parts.space, x, y, z), axes(parts.space, vx, vy, vz)
 
 
@@ -94,7 +117,7 @@ def _as_prescribed(held, parts, p, view, velocity, position, h):
 
 @kernel
 def _drawn_to(held, parts, p, view, velocity, position, h):
-    """Velocity that also removes the drift between the prescribed top and its integrated position."""
+    """Velocity that also removes the drift between the prescribed top and its integrated position, a quarter of it within h."""
     integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(held, parts.space, p))
     return axpy(0.25 / h, sub(position, integrated), velocity)
 
@@ -111,50 +134,47 @@ _top_velocity = by_presence(_without_anchor, _drawn_to)  # drift arises where so
 
 
 @kernel
-def _fixed_length(winch, problem, state):
+def _no_winding(winch, parts, problem, view, state, course, time):
     return Winding(problem.cable.length, 0.0, 0.0)
 
 
 @kernel
-def _wound_length(winch, problem, state):
-    length = problem.cable.length + state[header.PAID_OUT]
-    return Winding(length, state[header.WINCH_SPEED] / length, state[header.WINCH_ACCELERATION] / length)
-
-
-_winding_now = by_presence(_fixed_length, _wound_length)
-
-
-@kernel
-def _no_winding(winch, parts, problem, view, state, path, span, s):
-    return Winding(problem.cable.length, 0.0, 0.0)
-
-
-@kernel
-def _wind_to(winch, parts, problem, view, state, path, span, s):
-    paid_out, speed, acceleration = evaluate(path, span, s, WINCH)
+def _wind_to(winch, parts, problem, view, state, course, time):
+    paid_out, speed, acceleration = followed(course.path, course.span, course.bridge, course.pending, time, WINCH)
     length = problem.cable.length + paid_out
     grid.change_length(parts.box, view, length / state[header.MESH_LENGTH])
     state[header.MESH_LENGTH] = length
     return Winding(length, speed / length, acceleration / length)
 
 
-_winding = by_presence(_no_winding, _wind_to)  # gives the mesh the length that the cable has at fraction s of the path
+_winding = by_presence(_no_winding, _wind_to)  # gives the mesh the length that the cable has at `time` of its course
 
 
 @kernel
-def _try_step(parts, p, problem, view, state, c, time, span, path, done, h, tiny):
-    """One internal step from time + done; returns the Newton iterations or a negative status."""
-    winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
+def _shift(state, ahead, h):
+    """From the time of the rates kept to that of the rates before a step of h, whose member has them `ahead` h after its ends."""
     last = state[header.STEP]
-    shift = (c.alpha_m - c.alpha_k) * (h - last) if last > 0.0 else 0.0
+    if last == 0.0:
+        return 0.0
+    if state[header.OFFSET] == ahead * last:
+        return ahead * (h - last)
+    return ahead * h - state[header.OFFSET]
+
+
+@kernel
+def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny):
+    """One internal step from time + done; returns the Newton iterations or a negative status."""
+    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    last = state[header.STEP]
+    shift = _shift(state, c.alpha_m - c.alpha_k, h)
     reach = h / last if last >= tiny else 0.0
     size = view.y.size  # one run over all of an array, which the compiler does several numbers at a time
     yd0, yd, ydd = view.yd0.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     for i in range(size):
         yd0[i] = yd[i] + shift * ydd[i]
-    before, _ = _path_at(parts, path, span, done / span)
-    after, velocity = _path_at(parts, path, span, (done + h) / span)
-    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, h)
+    before, _ = _top_on(parts, course, done)
+    after, velocity = _top_on(parts, course, done + h)
+    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, max(h, FADING * state[header.DRIFT_STEP]))
     return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, velocity, winding)
 
 
@@ -173,14 +193,14 @@ def _accept(parts, problem, view, h, tiny):
 
 
 @kernel
-def _local_error(parts, problem, view, state, c, time, span, path, done, h):
+def _local_error(parts, problem, view, state, c, time, course, done, h):
     """Accelerations, m/s2: what the truncation error of the step just tried from time + done amounts to; the motion's own, rms."""
     first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
     share, reach = (first, 0.0) if first > 1e-12 else (second, h)
-    winding = _winding(parts.winch, parts, problem, view, state, path, span, (done + (1.0 - c.alpha_k) * h) / span)
-    before, _ = _path_at(parts, path, span, done / span)
-    after, _ = _path_at(parts, path, span, (done + h) / span)
+    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    before, _ = _top_on(parts, course, done)
+    after, _ = _top_on(parts, course, done + h)
     miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before, after, winding)
     return share * miss, moving
 
@@ -231,11 +251,14 @@ def advance(parts, p, time, span, path, state, work):
     if _leaves_plane(parts.space, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
-    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     tolerance = min(p[0].solver.tolerance, LARGEST_TOLERANCE)
     gravity = max(problem.cable.gravity, 1e-3)
-    longest = min(p[0].solver.time_step, math.sqrt(problem.cable.length / gravity))
-    base = span / max(1, math.ceil(span / p[0].solver.time_step - 1e-9))
+    longest = _natural_step(p, problem.cable)
+    pending = state[header.PENDING]
+    total = pending + span
+    base = total / max(1, math.ceil(total / p[0].solver.time_step - (1e-9 if pending == 0.0 else EXCEEDED)))
     state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], LEAST_MOTION * gravity)
     allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
     h = base
@@ -243,7 +266,15 @@ def advance(parts, p, time, span, path, state, work):
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[0].solver.time_step
     elif 0.0 < state[header.NEXT_STEP] < base:
         h = state[header.NEXT_STEP]
-    done = 0.0
+    if tolerance == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
+        h = GROWTH * state[header.STEP]
+    if is_short(state, total, h if tolerance > 0.0 else state[header.STEP]):
+        wait(state, span, path)
+        _go_on(parts, problem, view, state, time, span, path)
+        return header.OK
+    build_bridge(state, view.bridge)
+    course = Course(path, span, view.bridge, pending)
+    done = -pending
     tried = 0.0  # error of the trial before, of the same step
     while done < span:
         rest = span - done
@@ -257,10 +288,12 @@ def advance(parts, p, time, span, path, state, work):
             used = 0.5 * rest
         if used < tiny:
             view.contraction[0] = 0.0  # what Newton's method leaves, over such a step, is a large acceleration
+        last = state[header.STEP]
+        c = steady if last == 0.0 or abs(used - last) <= CHANGED * last else changing
         to_solve = problem
         if tolerance > 0.0:  # what Newton's method leaves must not look like a truncation error
             to_solve = with_tolerance(problem, min(problem.numeric.tolerance, SOLVED * allowed * used), problem.numeric.rounding)
-        status = _try_step(parts, p, to_solve, view, state, c, time, span, path, done, used, tiny)
+        status = _try_step(parts, p, to_solve, view, state, c, time, course, done, used, tiny)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
@@ -273,7 +306,7 @@ def advance(parts, p, time, span, path, state, work):
         if tolerance > 0.0:
             ratio = 0.25
             if state[header.STEPS] > 0.0:
-                error, moving = _local_error(parts, problem, view, state, c, time, span, path, done, used)
+                error, moving = _local_error(parts, problem, view, state, c, time, course, done, used)
                 state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], min(moving, gravity))
                 allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
                 # an error that falls from step to step, or does not fall with the step, is what earlier steps left to ring:
@@ -296,12 +329,24 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(base, 2.0 * used) if status <= 8 else used
         _accept(parts, problem, view, used, used < tiny)
         state[header.STEP] = used
+        state[header.LAG_BEFORE] = state[header.LAG]
+        state[header.LAG] = c.alpha_k * used
+        state[header.OFFSET] = (c.alpha_m - c.alpha_k) * used
+        state[header.DRIFT_STEP] = max(used, FADING * state[header.DRIFT_STEP])
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status
         h = proposal
         done = span if used == rest else done + used
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
-    _winding(parts.winch, parts, problem, view, state, path, span, 1.0)
+    state[header.PENDING] = 0.0
+    _go_on(parts, problem, view, state, time, span, path)
+    return header.OK
+
+
+@kernel
+def _go_on(parts, problem, view, state, time, span, path):
+    """Clock, top and winch at the end of the path."""
+    _winding(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
     paid_out, speed, acceleration = evaluate(path, span, 1.0, WINCH)
     state[header.PAID_OUT] = paid_out
     state[header.WINCH_SPEED] = speed
@@ -312,56 +357,3 @@ def advance(parts, p, time, span, path, state, work):
         state[header.TOP + k] = position
         state[header.TOP + 3 + k] = velocity
         state[header.TOP + 6 + k] = acceleration
-    return header.OK
-
-
-@kernel
-def node_positions(parts, p, state, work, positions):
-    """Positions (n, 3) of all nodes, summed from the prescribed top downwards."""
-    view = cut(parts, p, state, work)
-    n = view.mesh.shape[0] + 1
-    at = top_at(parts, state, 0)
-    for i in range(n - 1, -1, -1):
-        if i < n - 1:
-            at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
-        _spread(parts.space, at, state[header.TOP + 1], positions[i], 0)
-
-
-@kernel
-def outputs(parts, p, state, work, out):
-    """Fill `out` in the order of signals.OUTPUTS."""
-    view = cut(parts, p, state, work)
-    problem = build(parts, p, 0.0)
-    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
-    top = top_at(parts, state, 0)
-    winding = _winding_now(parts.winch, problem, state)
-    force, t, position, velocity, end, largest, smallest, slack = grid.measure(
-        parts.box, parts, problem, p, view, c, state[header.STEP], top, winding, state[header.TIME]
-    )
-    pulled = 0.0
-    for k in range(len(top)):
-        pulled -= force[k] * t[k]
-    pulled = limited(parts, problem.numeric, view.mesh[view.mesh.shape[0] - 1, 0], pulled)
-    _spread(parts.space, force, 0.0, out, 0)
-    out[3] = pulled
-    out[4] = math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
-    _spread(parts.space, position, state[header.TOP + 1], out, 5)
-    _spread(parts.space, velocity, 0.0, out, 8)
-    out[11] = end
-    out[12] = max(largest, pulled)
-    out[13] = smallest
-    out[14] = slack
-    out[15] = state[header.STEPS]
-    out[16] = state[header.NEWTON]
-    out[17] = state[header.REJECTED]
-    watch_outputs(parts, p, state, out)
-
-
-@kernel
-def _spread(space, a, y, out, k):
-    """Write a vector of the chain's dimension as x, y, z from out[k] on."""
-    out[k] = a[0]
-    out[k + 1] = y
-    out[k + 2] = a[len(a) - 1]
-    if space is not None:
-        out[k + 1] = a[1]

@@ -17,6 +17,8 @@ GENERALIZED_TRAPEZOIDAL = 3
 CORNWELL_MALKUS = 4
 WBZ = 5
 
+CHANGING = -0.5  # least lambda_infinity of a generalized-alpha step of another size than the one before
+
 
 class Coefficients(NamedTuple):
     alpha_k: float
@@ -45,3 +47,15 @@ def coefficients(integrator, lambda_infinity):
     alpha_k = lam / (lam - 1.0)
     alpha_m = (3.0 * lam + 1.0) / (2.0 * lam - 2.0)
     return Coefficients(alpha_k, alpha_m, 0.5 - alpha_m + alpha_k)
+
+
+@kernel
+def coefficients_of_change(integrator, lambda_infinity):
+    """Coefficients for a step of another size than the one before: those of the member, but of one that damps what the change excites.
+
+    A member that hardly damps what no step resolves lets random changes of the step feed it: at lambda_infinity = -0.9 by some per cent a
+    step.  Both members are of second order, so that a step of one may follow a step of the other.
+    """
+    if integrator == 0 and lambda_infinity < CHANGING:
+        return coefficients(integrator, CHANGING)
+    return coefficients(integrator, lambda_infinity)

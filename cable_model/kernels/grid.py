@@ -202,15 +202,37 @@ cell_vector = by_presence(_staggered_vector, _box_vector)  # (1 + eps) t of a ce
 
 
 @kernel
-def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time):
+def _staggered_lead(box, view, time, last, offset):
+    """By a parabola: the rates now are yd - offset ydd."""
+    for i in range(view.y.shape[0]):
+        for k in range(view.y.shape[1]):
+            rate = view.yd[i, k] - offset * view.ydd[i, k]
+            view.y1[i, k] = view.y[i, k] + time * (rate + 0.5 * time * view.ydd[i, k])
+            view.yd1[i, k] = view.yd[i, k] + time * view.ydd[i, k]
+
+
+@kernel
+def _box_lead(box, view, time, last, offset):
+    """By the line through the last two states: rates of the algebraic unknowns ring."""
+    reach = time / last if last > 0.0 else 0.0
+    for i in range(view.y.shape[0]):
+        for k in range(view.y.shape[1]):
+            view.y1[i, k] = view.y[i, k] + reach * (view.y[i, k] - view.y_old[i, k])
+            view.yd1[i, k] = view.yd[i, k]
+
+
+lead_on = by_presence(_staggered_lead, _box_lead)  # the state and its rates some time after the last step, into y1 and yd1
+
+
+@kernel
+def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, winding, time):
     mesh = view.mesh
     n = mesh.shape[0] + 1
     start_contacts(parts.seabed, problem.ground, mesh, view.y, n - 1, last, top, view.scratch.contact)
-    offset = (c.alpha_m - c.alpha_k) * last
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
-    staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, c.alpha_k, top, view.scratch.cells)
+    staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, ahead, top, view.scratch.cells)
     largest = 0.0
     smallest = 1e300
     slack = 0.0
@@ -232,8 +254,7 @@ def _staggered_measure(box, parts, problem, p, view, c, last, top, winding, time
 
 
 @kernel
-def _box_measure(box, parts, problem, p, view, c, last, top, winding, time):
-    offset = (c.alpha_m - c.alpha_k) * last
+def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding, time):
     return box_chain.measure(parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p))
 
 

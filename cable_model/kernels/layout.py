@@ -10,6 +10,8 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
 
+PATH = 24  # numbers of a path of the top
+
 
 class View(NamedTuple):
     """The arrays of a state vector and its work vector."""
@@ -25,6 +27,7 @@ class View(NamedTuple):
     y1: object
     yd1: object
     yd0: object
+    bridge: object  # (6, 4): path of the top over the pending time, see pending.py
     scratch: object
 
 
@@ -53,7 +56,7 @@ def work_size(parts, p):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)
     rows, columns, _, _ = grid.shape(parts.box, parts.bending, n, like)
-    return 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
+    return PATH + 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
 
 
 @views
@@ -73,11 +76,24 @@ def cut(parts, p, state, work):
         state[header.CONTRACTION : header.CONTRACTION + 1],
         state[e : e + tensions],
         state[e + tensions : e + 2 * tensions],
-        work[0:m].reshape((rows, d)),
-        work[m : 2 * m].reshape((rows, d)),
-        work[2 * m : 3 * m].reshape((rows, d)),
-        grid.cut_scratch(parts.box, parts.bending, work[3 * m :], n, like),
+        work[PATH : PATH + m].reshape((rows, d)),
+        work[PATH + m : PATH + 2 * m].reshape((rows, d)),
+        work[PATH + 2 * m : PATH + 3 * m].reshape((rows, d)),
+        work[0:PATH].reshape((6, 4)),
+        grid.cut_scratch(parts.box, parts.bending, work[PATH + 3 * m :], n, like),
     )
+
+
+@views
+def led_on(parts, view, time, last, offset):
+    """The state some time after the last step, which is left as it is."""
+    if time == 0.0:
+        return view
+    grid.lead_on(parts.box, view, time, last, offset)
+    return View(
+        view.mesh, view.y1, view.yd1, view.ydd, view.y_old, view.contraction, view.force, view.force_old, view.y1, view.yd1, view.yd0,
+        view.bridge, view.scratch,
+    )  # fmt: skip
 
 
 @kernel

@@ -6,20 +6,12 @@ the winch has paid out, a parabola: its speed changes linearly.
 
 import math
 
-from cable_model.kernels.header import (
-    INPUT,
-    INPUT_STEP,
-    INPUT_STEP_2,
-    INPUT_STEP_3,
-    PAID_OUT,
-    TOP,
-    WINCH_ACCELERATION,
-    WINCH_INPUT,
-    WINCH_SPEED,
-)
+from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, TOP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
 
-WINCH = 3  # column of the path
+WINCH = 3  # column of the path, and of the inputs that are kept
+KEPT = 4  # inputs, see header.INPUTS
+NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
 
 
 @kernel
@@ -49,6 +41,12 @@ def wind(paid_out, speed, end_speed, h, path):
     path[3, WINCH] = 0.0
     path[4, WINCH] = 0.0
     path[5, WINCH] = 0.0
+
+
+@kernel
+def wind_between(paid_out, speed, end_paid_out, h, path):
+    """The same from the length paid out at both ends and the speed at the start."""
+    wind(paid_out, speed, 2.0 * (end_paid_out - paid_out) / h - speed, h, path)
 
 
 @kernel
@@ -85,15 +83,40 @@ def mean_speed(path, h):
 
 
 @kernel
-def _differences(state, inputs, first, k):
-    """Divided differences of order 0 to 3 of axis k over this input and up to three before it; 0 where there are too few."""
-    h1 = state[INPUT_STEP]
-    h2 = state[INPUT_STEP_2]
-    h3 = state[INPUT_STEP_3]
+def horizon(state, h):
+    """Time over which the top closes on where its inputs lead: a communication step of h, or what is left of an earlier, longer plan.
+
+    Closed within a sliver, the least mismatch would be a shock.
+    """
+    planned = max(state[CLOSING], state[SHORTEST])
+    return planned if planned > h * (1.0 + 1e-9) else h
+
+
+@kernel
+def _first_kept(state, h):
+    """The newest of the inputs kept that tells something about a time of h: 0, or 1 where the very newest is too near to those now."""
+    return 1 if 0.0 < state[INPUT_STEPS] < NEAR * h else 0
+
+
+@kernel
+def _ages(state, newest):
+    """Times between the inputs now and up to three before it, from one to the next; 0 where there is none."""
+    if newest == 0:
+        return state[INPUT_STEPS], state[INPUT_STEPS + 1], state[INPUT_STEPS + 2]
+    if state[INPUT_STEPS + 1] == 0.0:
+        return 0.0, 0.0, 0.0
+    return state[INPUT_STEPS] + state[INPUT_STEPS + 1], state[INPUT_STEPS + 2], state[INPUT_STEPS + 3]
+
+
+@kernel
+def _differences(state, inputs, first, newest, k):
+    """Divided differences of order 0 to 3 of axis k over these inputs and up to three before them; 0 where there are too few."""
+    h1, h2, h3 = _ages(state, newest)
+    row = INPUTS + KEPT * newest + k
     f0 = inputs[first + k]
-    f1 = state[INPUT + k]
-    f2 = state[INPUT + 3 + k]
-    f3 = state[INPUT + 6 + k]
+    f1 = state[row]
+    f2 = state[row + KEPT]
+    f3 = state[row + 2 * KEPT]
     d1 = 0.0
     d2 = 0.0
     d3 = 0.0
@@ -108,12 +131,12 @@ def _differences(state, inputs, first, k):
 
 
 @kernel
-def _smoothness(state, inputs, first, low, factor, h):
+def _smoothness(state, inputs, first, newest, low, factor, h):
     """1 where the differences of a signal fall with their order, down to 0 at noise and jumps, which must not be extrapolated."""
     rough = 0.0
     plain = 0.0
     for k in range(3):
-        differences = _differences(state, inputs, first, k)
+        differences = _differences(state, inputs, first, newest, k)
         plain += differences[low] ** 2
         rough += differences[low + 1] ** 2
     if rough == 0.0:
@@ -132,11 +155,12 @@ def predict(order, state, inputs, h, end):
     accelerations), by one degree less where they are not smooth.  Then position, velocity and acceleration are right to h^4, h^3 and h^2.
     """
     first = 3 * order
-    a = state[INPUT_STEP]
-    b = a + state[INPUT_STEP_2]
-    smooth = _smoothness(state, inputs, first, 2 - order, 3.0 - order, h)
+    newest = _first_kept(state, h)
+    a, b, _ = _ages(state, newest)
+    b += a
+    smooth = _smoothness(state, inputs, first, newest, 2 - order, 3.0 - order, h)
     for k in range(3):
-        f, d1, d2, d3 = _differences(state, inputs, first, k)
+        f, d1, d2, d3 = _differences(state, inputs, first, newest, k)
         p = inputs[k]
         if order == 0:
             d3 *= smooth
@@ -160,27 +184,49 @@ def predict(order, state, inputs, h, end):
 def follow_inputs(order, state, inputs, h, end, path):
     """The path over a step of h that inputs (10,) at its start ask for; `end` (9,) is scratch.
 
-    The winch's speed goes on to where the line through its last two inputs leads.
+    It leads to where the top will be after `horizon`, of which a shorter step goes a part.  The winch's speed goes on to where the line
+    through its last two inputs leads.
     """
-    predict(order, state, inputs, h, end)
-    quintic(state[TOP : TOP + 9], end, h, path)
+    whole = horizon(state, h)
+    predict(order, state, inputs, whole, end)
+    quintic(state[TOP : TOP + 9], end, whole, path)
+    newest = _first_kept(state, whole)
+    age, _, _ = _ages(state, newest)
     ahead = 0.0
-    if state[INPUT_STEP] > 0.0:
-        ahead = (inputs[9] - state[WINCH_INPUT]) * h / state[INPUT_STEP]
-    wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, h, path)
+    if age > 0.0:
+        ahead = (inputs[9] - state[INPUTS + KEPT * newest + WINCH]) * whole / age
+    wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, whole, path)
+    if whole > h:
+        _shorten(path, h / whole)
+
+
+@kernel
+def _shorten(path, share):
+    """Keep the first part of a path."""
+    power = share
+    for i in range(1, path.shape[0]):
+        for k in range(path.shape[1]):
+            path[i, k] *= power
+        power *= share
 
 
 @kernel
 def remember(order, state, inputs, h):
-    """Keep what `predict` needs of these inputs for the next steps: the highest that is given, now and at the two steps before."""
+    """Keep what `predict` needs of these inputs for the steps after this one of h, and how much of its plan is left."""
+    whole = horizon(state, h)
+    near = 0.0 < state[INPUT_STEPS] < NEAR * whole
+    state[CLOSING] = max(whole - h, h)
+    if near:  # to those kept, which stay
+        state[INPUT_STEPS] += h
+        return
+    for i in range(3, 0, -1):
+        state[INPUT_STEPS + i] = state[INPUT_STEPS + i - 1]
+        for k in range(KEPT):
+            state[INPUTS + KEPT * i + k] = state[INPUTS + KEPT * (i - 1) + k]
+    state[INPUT_STEPS] = h
     for k in range(3):
-        state[INPUT + 6 + k] = state[INPUT + 3 + k]
-        state[INPUT + 3 + k] = state[INPUT + k]
-        state[INPUT + k] = inputs[3 * order + k]
-    state[INPUT_STEP_3] = state[INPUT_STEP_2]
-    state[INPUT_STEP_2] = state[INPUT_STEP]
-    state[INPUT_STEP] = h
-    state[WINCH_INPUT] = inputs[9]
+        state[INPUTS + k] = inputs[3 * order + k]
+    state[INPUTS + WINCH] = inputs[9]
 
 
 @kernel
@@ -188,7 +234,6 @@ def start_top(order, state, inputs):
     """The top's motion at initialization, from the start values of the inputs."""
     for k in range(9):
         state[TOP + k] = inputs[k]
-        state[INPUT + k] = 0.0
     if order < 2:
         for k in range(3):
             state[TOP + 6 + k] = 0.0
@@ -198,7 +243,7 @@ def start_top(order, state, inputs):
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
     state[WINCH_ACCELERATION] = 0.0
-    state[WINCH_INPUT] = inputs[9]
-    state[INPUT_STEP] = 0.0
-    state[INPUT_STEP_2] = 0.0
-    state[INPUT_STEP_3] = 0.0
+    for k in range(INPUTS, INPUT_STEPS + KEPT):
+        state[k] = 0.0
+    state[CLOSING] = 0.0
+    state[SHORTEST] = 0.0

@@ -7,7 +7,7 @@ lower end.  Equations of [Wang 1971] with its errors corrected; `as_printed` kee
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.header import HEADER, NEWTON, REJECTED, STEPS, TIME, TOP
+from cable_model.kernels.header import HEADER, NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_part, cable_part, displaced_area, total_weight
 from cable_model.kernels.tow_water import added_masses, body_water, cable_water, turned
@@ -19,7 +19,9 @@ STRETCH_RATE = HEADER + 3
 PLANE = HEADER + 4  # y (FMI axes) of the plane of motion
 EVALUATIONS = HEADER + 5  # right-hand sides computed so far
 STATE = HEADER + 6
-WORK = 40
+JOINED = 40  # in work, after what tow_schemes keeps there: path that begins with the pending time, and the top at its end
+WORK = JOINED + 33
+SLIVER = 1e-5  # of the times in which the cable swings and stretches by a radian: what is shorter waits for the next step
 
 
 class Tow(NamedTuple):
@@ -258,6 +260,18 @@ def slack_share(tension_floor, c, motion):
 
 
 @kernel
+def shortest_step(c):
+    return SLIVER / max(c.pendulum, c.axial)
+
+
+@kernel
+def motion_now(state):
+    """phi, phi', u, u' led on over the pending time."""
+    turning, stretching = state[ANGLE_RATE], state[STRETCH_RATE]
+    return state[ANGLE] + state[PENDING] * turning, turning, state[STRETCH] + state[PENDING] * stretching, stretching
+
+
+@kernel
 def work_size(parts, p):
     return WORK
 
@@ -267,7 +281,7 @@ def outputs_in_plane(space, parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment, z up."""
     c = constants(parts, p)
     top = (state[TOP], state[TOP + 3], state[TOP + 6], -state[TOP + 2], -state[TOP + 5], -state[TOP + 8])
-    motion = (state[ANGLE], state[ANGLE_RATE], state[STRETCH], state[STRETCH_RATE])
+    motion = motion_now(state)
     slack = slack_share(parts.tension_floor, c, motion)
     fx, fy, t_top, t_mean, t_body = end_forces(parts, c, top, state[TIME], motion, slack)
     phi, w, u, ud = motion

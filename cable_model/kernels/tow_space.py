@@ -12,7 +12,7 @@ motion in one vertical plane is then that of tow.py, and a scene turned about th
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.header import NEWTON, NO_EQUILIBRIUM, OK, REJECTED, STEPS, TIME, TOP
+from cable_model.kernels.header import NEWTON, NO_EQUILIBRIUM, OK, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.top import evaluate
@@ -221,9 +221,12 @@ def top_of(state):
 
 
 @kernel
-def swing_in_state(state):
+def swing_now(state):
+    """The swing, the stretch and its rate, led on over the pending time."""
     y, frame = motion_in_space(True, state)
-    return swing_of(frame, y)
+    pending = state[PENDING]
+    u = y[2] + pending * y[3]
+    return swing_of(frame, (pending * y[1], y[1], u, y[3], pending * y[5], y[5])), u, y[3]
 
 
 @kernel
@@ -253,8 +256,7 @@ def outputs_in_space(space, parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS; forces are those of the cable on the attachment."""
     c = constants(parts, p)
     top = top_of(state)
-    swing = swing_in_state(state)
-    u, ud = state[STRETCH], state[STRETCH_RATE]
+    swing, u, ud = swing_now(state)
     length = c.length + u
     slack = slack_share(parts.tension_floor, c, (0.0, 0.0, u, ud))
     f, t_top, t_mean, t_body = end_forces_in_space(parts, c, top, state[TIME], swing, u, ud, slack)
@@ -344,9 +346,10 @@ def hang_in_space(space, parts, c, state):
 @kernel
 def node_positions_in_space(space, parts, p, state, work, positions):
     """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
-    length = constants(parts, p).length + state[STRETCH]
+    swing, u, _ = swing_now(state)
+    length = constants(parts, p).length + u
     n = positions.shape[0]
     for i in range(n):
         below = length * (n - 1 - i) / max(n - 1, 1)
         for k in range(3):
-            positions[i, k] = state[TOP + k] + below * state[DIRECTION + k]
+            positions[i, k] = state[TOP + k] + below * swing.e[k]

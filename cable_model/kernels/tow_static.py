@@ -3,10 +3,10 @@
 import math
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, STEPS, TIME, TOP
+from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
-from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants
+from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
 from cable_model.kernels.tow_space import STATE_IN_SPACE, hang_in_space, node_positions_in_space
 from cable_model.kernels.tow_water import body_water, cable_water
 
@@ -117,6 +117,7 @@ def initialize(parts, p, time, state, work):
     state[TIME] = time
     state[TIME + 1] = 0.0
     state[TIME + 2] = 0.0
+    state[SHORTEST] = shortest_step(c)
     status = _hang(parts.space, parts, c, state)
     if status == OK and (not above_floor(parts.tension_floor, c, state[STRETCH]) or not c.mass_y + c.mass_inertia > 0.0):
         return NO_EQUILIBRIUM
@@ -127,13 +128,14 @@ def initialize(parts, p, time, state, work):
 def node_positions_in_plane(space, parts, p, state, work, positions):
     """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
     c = constants(parts, p)
-    length = c.length + state[STRETCH]
+    phi, _, u, _ = motion_now(state)
+    length = c.length + u
     n = positions.shape[0]
     for i in range(n):
         below = length * (n - 1 - i) / max(n - 1, 1)
-        positions[i, 0] = state[TOP] - below * math.sin(state[ANGLE])
+        positions[i, 0] = state[TOP] - below * math.sin(phi)
         positions[i, 1] = state[PLANE]
-        positions[i, 2] = state[TOP + 2] - below * math.cos(state[ANGLE])
+        positions[i, 2] = state[TOP + 2] - below * math.cos(phi)
 
 
 _node_positions = by_presence(node_positions_in_plane, node_positions_in_space)

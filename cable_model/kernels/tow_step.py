@@ -9,12 +9,14 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import (
     ERROR_SIZE,
     ERROR_TIME,
+    KEPT_TOP,
     NEWTON,
     NEXT_STEP,
     NO_WINCH,
     NOT_FINITE,
     OK,
     OUT_OF_PLANE,
+    PENDING,
     REJECTED,
     STEP,
     STEP_TOO_SMALL,
@@ -23,11 +25,13 @@ from cable_model.kernels.header import (
     TOP,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import evaluate, leaves_plane, winch_turns
+from cable_model.kernels.pending import is_short, wait
+from cable_model.kernels.top import evaluate, leaves_plane, quintic, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
     EVALUATIONS,
+    JOINED,
     PLANE,
     STRETCH,
     STRETCH_RATE,
@@ -203,22 +207,48 @@ def next_size(explicit, size, error, tolerance, iterations):
 
 
 @kernel
+def join(path, h, state, end, whole):
+    """The path with the pending time before it as one quintic: that time is too short for a quintic to lose anything over it."""
+    for k in range(3):
+        end[k], end[3 + k], end[6 + k] = evaluate(path, h, 1.0, k)
+    quintic(state[KEPT_TOP : KEPT_TOP + 9], end, state[PENDING] + h, whole)
+
+
+@kernel
+def move_top(path, h, state):
+    for k in range(3):
+        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = evaluate(path, h, 1.0, k)
+
+
+@kernel
 def advance(parts, p, time, h, path, state, work):
     """Integrate over [time, time + h] while the top follows `path`; returns a status, and leaves the state alone unless it is OK.
 
     solver.tolerance > 0 bounds the local error of a step relative to `weights`; at 0 the steps are equal, none longer than
-    solver.time_step.  Either way a step ends where the cable goes slack or taut.
+    solver.time_step.  Either way a step ends where the cable goes slack or taut.  A sliver waits, see pending.py.
     """
     c = constants(parts, p)
     status = check_path(parts.space, path, h, c, state)
     if status != OK:
         return failed(status, state, time, 0.0)
+    if is_short(state, state[PENDING] + h, 0.0):
+        wait(state, h, path)
+        move_top(path, h, state)
+        state[TIME] = time + h
+        return OK
     y, frame = motion_of(parts.space, state)
-    drive = Drive(path, h, time, frame)
     explicit = p[0].tow.explicit > 0.5
     tolerance = max(p[0].solver.tolerance, 0.0)
     fixed = not tolerance > 0.0
     pieces = max(1, math.ceil(h / p[0].solver.time_step * (1.0 - 1e-12))) if fixed else 1
+    if state[PENDING] > 0.0:
+        whole = work[JOINED : JOINED + 24].reshape(6, 4)
+        join(path, h, state, work[JOINED + 24 : JOINED + 33], whole)
+        path = whole
+    end_time = time + h
+    time -= state[PENDING]
+    h += state[PENDING]
+    drive = Drive(path, h, time, frame)
     graze = max(0.1 * tolerance, 1e-9) * c.force
     wanted = h
     if not fixed:
@@ -289,15 +319,15 @@ def advance(parts, p, time, h, path, state, work):
         else:
             wanted = max(wanted, 2.0 * size)
     keep_motion(parts.space, y, drive.frame, state)
-    state[TIME] = time + h
+    state[TIME] = end_time
+    state[PENDING] = 0.0
     state[STEP] = size
     state[NEXT_STEP] = wanted if not fixed else size
     state[STEPS] += steps
     state[NEWTON] += newton
     state[REJECTED] += rejected
     state[EVALUATIONS] += evaluations
-    for k in range(3):
-        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = evaluate(path, h, 1.0, k)
+    move_top(path, h, state)
     return OK
 
 

@@ -1,0 +1,88 @@
+"""What the chain tells: forces, places and tensions now, and its shape."""
+
+import math
+
+from cable_model.kernels import grid, header
+from cable_model.kernels.build import build
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.family import coefficients
+from cable_model.kernels.jit import kernel, views
+from cable_model.kernels.layout import cut, led_on, top_at
+from cable_model.kernels.pending import tensions_ahead
+from cable_model.kernels.slack import limited
+from cable_model.kernels.staggered_step import Winding
+from cable_model.kernels.vector import axpy
+from cable_model.kernels.watch import watch_outputs
+
+
+@kernel
+def _fixed_length(winch, problem, state):
+    return Winding(problem.cable.length, 0.0, 0.0)
+
+
+@kernel
+def _wound_length(winch, problem, state):
+    length = problem.cable.length + state[header.PAID_OUT]
+    return Winding(length, state[header.WINCH_SPEED] / length, state[header.WINCH_ACCELERATION] / length)
+
+
+winding_now = by_presence(_fixed_length, _wound_length)
+
+
+@views
+def _now(parts, p, state, work):
+    """The arrays of the state, led on where time is pending."""
+    return led_on(parts, cut(parts, p, state, work), state[header.PENDING], state[header.STEP], state[header.OFFSET])
+
+
+@kernel
+def node_positions(parts, p, state, work, positions):
+    """Positions (n, 3) of all nodes, summed from the prescribed top downwards."""
+    view = _now(parts, p, state, work)
+    n = view.mesh.shape[0] + 1
+    at = top_at(parts, state, 0)
+    for i in range(n - 1, -1, -1):
+        if i < n - 1:
+            at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
+        _spread(parts.space, at, state[header.TOP + 1], positions[i], 0)
+
+
+@kernel
+def outputs(parts, p, state, work, out):
+    """Fill `out` in the order of signals.OUTPUTS."""
+    problem = build(parts, p, 0.0)
+    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    view = _now(parts, p, state, work)
+    ahead = tensions_ahead(state, c)
+    top = top_at(parts, state, 0)
+    winding = winding_now(parts.winch, problem, state)
+    force, t, position, velocity, end, largest, smallest, slack = grid.measure(
+        parts.box, parts, problem, p, view, state[header.STEP], state[header.OFFSET], ahead, top, winding, state[header.TIME]
+    )
+    pulled = 0.0
+    for k in range(len(top)):
+        pulled -= force[k] * t[k]
+    pulled = limited(parts, problem.numeric, view.mesh[view.mesh.shape[0] - 1, 0], pulled)
+    _spread(parts.space, force, 0.0, out, 0)
+    out[3] = pulled
+    out[4] = math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
+    _spread(parts.space, position, state[header.TOP + 1], out, 5)
+    _spread(parts.space, velocity, 0.0, out, 8)
+    out[11] = end
+    out[12] = max(largest, pulled)
+    out[13] = smallest
+    out[14] = slack
+    out[15] = state[header.STEPS]
+    out[16] = state[header.NEWTON]
+    out[17] = state[header.REJECTED]
+    watch_outputs(parts, p, state, out)
+
+
+@kernel
+def _spread(space, a, y, out, k):
+    """Write a vector of the chain's dimension as x, y, z from out[k] on."""
+    out[k] = a[0]
+    out[k + 1] = y
+    out[k + 2] = a[len(a) - 1]
+    if space is not None:
+        out[k + 1] = a[1]

@@ -1,0 +1,67 @@
+"""Time that waits: communication steps too short for an internal step of their own are pending, and join the next internal step.
+
+Over a sliver the differences of velocities and tensions that the chain predicts from are rounding, and every step far shorter than the one
+before excites what the mesh does not resolve.  So nothing is integrated over pending time.  Outputs lead on from the last internal step by
+its rates; the step that ends the waiting begins where the last one ended, with the top on a quintic (the bridge) from there to where it is.
+"""
+
+from cable_model.kernels.header import (
+    KEPT_PAID_OUT,
+    KEPT_TOP,
+    KEPT_WINCH_SPEED,
+    LAG,
+    LAG_BEFORE,
+    PAID_OUT,
+    PENDING,
+    SHORTEST,
+    STEP,
+    TOP,
+    WINCH_SPEED,
+)
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.top import evaluate, quintic, wind_between
+
+SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
+
+
+@kernel
+def is_short(state, total, step):
+    """Whether time of `total` waits, after or instead of an internal step of `step`."""
+    return total < max(state[SHORTEST], SHORT * step)
+
+
+@kernel
+def wait(state, span, path):
+    """Count a communication step as pending; the first one says where the top was when the waiting began."""
+    if state[PENDING] == 0.0:
+        for k in range(3):
+            state[KEPT_TOP + k], state[KEPT_TOP + 3 + k], state[KEPT_TOP + 6 + k] = evaluate(path, span, 0.0, k)
+        state[KEPT_PAID_OUT] = state[PAID_OUT]
+        state[KEPT_WINCH_SPEED] = state[WINCH_SPEED]
+    state[PENDING] += span
+
+
+@kernel
+def build_bridge(state, bridge):
+    """Path of the top and the winch over the pending time."""
+    pending = state[PENDING]
+    if pending > 0.0:
+        quintic(state[KEPT_TOP : KEPT_TOP + 9], state[TOP : TOP + 9], pending, bridge)
+        wind_between(state[KEPT_PAID_OUT], state[KEPT_WINCH_SPEED], state[PAID_OUT], pending, bridge)
+
+
+@kernel
+def followed(path, span, bridge, pending, time, k):
+    """Position, velocity and acceleration of axis k at `time` from the start of the path; before it the bridge leads there."""
+    if time < 0.0:
+        return evaluate(bridge, pending, 1.0 + time / pending, k)
+    return evaluate(path, span, time / span, k)
+
+
+@kernel
+def tensions_ahead(state, c):
+    """From the averaged time of the last internal step to now, over the time between the averaged times of the last two."""
+    last, lag, lag_before, pending = state[STEP], state[LAG], state[LAG_BEFORE], state[PENDING]
+    if lag == lag_before == c.alpha_k * last and pending == 0.0:
+        return c.alpha_k
+    return (lag + pending) / (last - lag + lag_before)
