@@ -191,6 +191,7 @@ EFFECTS = (
 # numbers that are no effect's, which a model asks for in any case; `top.motion_order` is the one that kernels do not get
 SETTINGS: Mapping[str, tuple[str, ...]] = {
     "top.motion_order": (CHAIN, TOW),
+    "top.inputs_at": (CHAIN, TOW),
     "cable.length": (CHAIN, TOW),
     "cable.mass_per_length": (CHAIN, TOW),
     "cable.axial_stiffness": (CHAIN, TOW),

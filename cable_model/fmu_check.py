@@ -112,8 +112,8 @@ def simulate_fmu(
 ) -> tuple[tuple[str, ...], np.ndarray]:
     """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has.
 
-    Inputs are set at the start of each communication step, as FMI has it.  `told` gets the warnings that the FMU logs.  Raises
-    ParameterError for what is no FMU of ours, SolverError for a call that fails.
+    The inputs of a communication step are those at its start, as FMI has it, or with top.inputs_at = 1 those at its end.  `told` gets the
+    warnings that the FMU logs.  Raises ParameterError for what is no FMU of ours, SolverError for a call that fails.
     """
     with _opened(fmu) as opened:
         opened.slave.setupExperiment(startTime=float(times[0]), stopTime=float(times[-1]))
@@ -122,7 +122,8 @@ def simulate_fmu(
         opened.slave.exitInitializationMode()
         references = [opened.variables[name].valueReference for name in INPUTS]
         rows = [opened.results()]
-        for (start, end), given in zip(itertools.pairwise(times.tolist()), inputs.tolist(), strict=False):
+        at_end = int(opened.slave.getInteger([opened.variables["top.inputs_at"].valueReference])[0])
+        for (start, end), given in zip(itertools.pairwise(times.tolist()), inputs[at_end:].tolist(), strict=False):
             opened.slave.setReal(references, given)
             opened.slave.doStep(start, end - start)
             rows.append(opened.results())

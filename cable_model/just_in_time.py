@@ -27,7 +27,7 @@ class JustInTime:
         self._end = np.zeros(9)
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        top.start_top(self._order, self.state, inputs)
+        top.start_top(self._order, self._numbers, self.state, inputs)
         status = self._equilibrium(time)
         if status == header.OK:
             watch.watch_start(self.state, inputs)
@@ -44,10 +44,10 @@ class JustInTime:
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
-        top.follow_inputs(self._order, self.state, inputs, step, self._end, self._path)
+        top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step)
         if status == header.OK:
-            top.remember(self._order, self.state, inputs, step)
+            top.remember(self._order, self._numbers, self.state, inputs, step)
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:

@@ -180,6 +180,9 @@ class Top:
 
     position: tuple[float, float, float] = quantity("m", "position about which the top moves", default=(0.0, 0.0, 0.0))
     motion_order: int = quantity("1", "connected inputs: 0 position, 1 and velocity, 2 and acceleration", default=1, least=0, most=2)
+    inputs_at: int = quantity(
+        "1", "what a co-simulation's inputs are: 0 values at the start of the communication step, 1 at its end", default=0, least=0, most=1
+    )
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()

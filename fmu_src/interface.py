@@ -97,6 +97,8 @@ RELEASED = (
     "seabed.friction_velocity",
     "cable.volume_per_length",
     "winch.fitted",
+    "water.surface",
+    "cable.quadratic_damping",
 )
 
 

@@ -14,7 +14,7 @@ from cable_model.effects import CHAIN, COST_CASES, TOW
 from cable_model.errors import ParameterError, SolverError
 from cable_model.model import Model
 from cable_model.models import MODELS
-from cable_model.parameters import field_of, value_of
+from cable_model.parameters import value_of
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.simulated import refused_by
 from fmu_src.interface import generic_scene, table

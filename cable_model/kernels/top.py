@@ -147,18 +147,19 @@ def _smoothness(state, inputs, first, newest, low, factor, h):
 
 
 @kernel
-def predict(order, state, inputs, h, end):
-    """Where the top will be at the end of a step of h, into `end` (9,), from the inputs (9,) at its start.
+def predict(order, state, inputs, newest, h, end):
+    """Where the top will be a time h after the inputs (9,), into `end` (9,); 0: where it is, what is not given from what is.
 
     order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  The highest that is given is extrapolated by
     the polynomial through its last values (Newton's divided differences; cubic for positions, parabola for velocities, line for
     accelerations), by one degree less where they are not smooth.  Then position, velocity and acceleration are right to h^4, h^3 and h^2.
     """
     first = 3 * order
-    newest = _first_kept(state, h)
     a, b, _ = _ages(state, newest)
     b += a
-    smooth = _smoothness(state, inputs, first, newest, 2 - order, 3.0 - order, h)
+    smooth = 1.0
+    if h > 0.0:
+        smooth = _smoothness(state, inputs, first, newest, 2 - order, 3.0 - order, h)
     for k in range(3):
         f, d1, d2, d3 = _differences(state, inputs, first, newest, k)
         p = inputs[k]
@@ -181,16 +182,33 @@ def predict(order, state, inputs, h, end):
 
 
 @kernel
-def follow_inputs(order, state, inputs, h, end, path):
-    """The path over a step of h that inputs (10,) at its start ask for; `end` (9,) is scratch.
+def follow_inputs(order, p, state, inputs, h, end, path):
+    """The path over a step of h that inputs (10,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
+    if p[0].top.inputs_at > 0.0:
+        _arrive(order, state, inputs, h, end, path)
+    else:
+        _lead_on(order, state, inputs, h, end, path)
 
-    It leads to where the top will be after `horizon`, of which a shorter step goes a part.  The winch's speed goes on to where the line
-    through its last two inputs leads.
+
+@kernel
+def _arrive(order, state, inputs, h, end, path):
+    """The path that ends exactly where the inputs are; those kept get older by the step."""
+    state[INPUT_STEPS] += h
+    predict(order, state, inputs, _first_kept(state, h), 0.0, end)
+    quintic(state[TOP : TOP + 9], end, h, path)
+    wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9], h, path)
+
+
+@kernel
+def _lead_on(order, state, inputs, h, end, path):
+    """The path to where the top will be after `horizon`, of which a shorter step goes a part.
+
+    The winch's speed goes on to where the line through its last two inputs leads.
     """
     whole = horizon(state, h)
-    predict(order, state, inputs, whole, end)
-    quintic(state[TOP : TOP + 9], end, whole, path)
     newest = _first_kept(state, whole)
+    predict(order, state, inputs, newest, whole, end)
+    quintic(state[TOP : TOP + 9], end, whole, path)
     age, _, _ = _ages(state, newest)
     ahead = 0.0
     if age > 0.0:
@@ -211,26 +229,32 @@ def _shorten(path, share):
 
 
 @kernel
-def remember(order, state, inputs, h):
+def remember(order, p, state, inputs, h):
     """Keep what `predict` needs of these inputs for the steps after this one of h, and how much of its plan is left."""
-    whole = horizon(state, h)
-    near = 0.0 < state[INPUT_STEPS] < NEAR * whole
+    at_end = p[0].top.inputs_at > 0.0
+    whole = h if at_end else horizon(state, h)
+    since = 0.0 if at_end else h  # from these inputs to the next step's, or to the next step
     state[CLOSING] = max(whole - h, h)
-    if near:  # to those kept, which stay
-        state[INPUT_STEPS] += h
+    if _first_kept(state, whole) == 1:  # near to those kept, which stay
+        state[INPUT_STEPS] += since
         return
     for i in range(3, 0, -1):
         state[INPUT_STEPS + i] = state[INPUT_STEPS + i - 1]
         for k in range(KEPT):
             state[INPUTS + KEPT * i + k] = state[INPUTS + KEPT * (i - 1) + k]
-    state[INPUT_STEPS] = h
+    state[INPUT_STEPS] = since
+    _keep_newest(order, state, inputs)
+
+
+@kernel
+def _keep_newest(order, state, inputs):
     for k in range(3):
         state[INPUTS + k] = inputs[3 * order + k]
     state[INPUTS + WINCH] = inputs[9]
 
 
 @kernel
-def start_top(order, state, inputs):
+def start_top(order, p, state, inputs):
     """The top's motion at initialization, from the start values of the inputs."""
     for k in range(9):
         state[TOP + k] = inputs[k]
@@ -245,5 +269,7 @@ def start_top(order, state, inputs):
     state[WINCH_ACCELERATION] = 0.0
     for k in range(INPUTS, INPUT_STEPS + KEPT):
         state[k] = 0.0
+    if p[0].top.inputs_at > 0.0:
+        _keep_newest(order, state, inputs)
     state[CLOSING] = 0.0
     state[SHORTEST] = 0.0

@@ -60,10 +60,10 @@ def watch_start(state, inputs):
 
 @kernel
 def watch_inputs(order, p, state, inputs, step):
-    """Compare inputs (10,) at the start of a step with the last ones: top.motion_order `order` says which of them are given."""
+    """Compare the inputs (10,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     length = p[0].cable.length
     last = state[LAST : LAST + 9]
-    h = state[SPAN]
+    h = step if p[0].top.inputs_at > 0.0 else state[SPAN]
     reach = max(h, step)
     way, gap = _apart(inputs, last, 0, h, 0.0)
     if order == 0:

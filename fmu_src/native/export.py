@@ -128,14 +128,14 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         state = carray(y, (n_y,))
         work = carray(w, (n_w,))
         if what == START:
-            top.start_top(order, state, inputs)
+            top.start_top(order, numbers, state, inputs)
             status = initialize(parts, numbers, time, state, work[WORK:])
             watch.watch_start(state, inputs)
         else:
             path = work[PATH:END].reshape((6, 4))
             end = work[END:WORK]
             watch.watch_inputs(order, numbers, state, inputs, step)
-            top.follow_inputs(order, state, inputs, step, end, path)
+            top.follow_inputs(order, numbers, state, inputs, step, end, path)
             outputs[0] = top.mean_speed(path, step)
             if outputs[0] > FASTEST_TOP:
                 return TOO_FAST
@@ -143,7 +143,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         if status == ok:
             write_outputs(parts, numbers, state, work[WORK:], outputs)
             if what == STEP:
-                top.remember(order, state, inputs, step)
+                top.remember(order, numbers, state, inputs, step)
         return status
 
     return entry
