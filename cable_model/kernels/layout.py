@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
 
@@ -22,6 +23,7 @@ class View(NamedTuple):
     contraction: object  # (1,)
     force: object
     force_old: object
+    sliders: object  # stretch of the springs of friction.py
     y1: object
     yd1: object
     yd0: object
@@ -45,7 +47,7 @@ axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimensio
 def state_size(parts, p):
     n = node_count(p)
     rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + (3 * rows + kept) * columns + 2 * tensions
+    return header.HEADER + 2 * (n - 1) + (3 * rows + kept + slider_count(parts.friction, n)) * columns + 2 * tensions
 
 
 @kernel
@@ -64,6 +66,8 @@ def cut(parts, p, state, work):
     m = rows * d
     o = header.HEADER + 2 * (n - 1)
     e = o + 3 * m + kept * d
+    f = e + 2 * tensions
+    sliders = slider_count(parts.friction, n)
     return View(
         state[header.HEADER : o].reshape((n - 1, 2)),
         state[o : o + m].reshape((rows, d)),
@@ -72,7 +76,8 @@ def cut(parts, p, state, work):
         state[o + 3 * m : e].reshape((kept, d)),
         state[header.CONTRACTION : header.CONTRACTION + 1],
         state[e : e + tensions],
-        state[e + tensions : e + 2 * tensions],
+        state[e + tensions : f],
+        state[f : f + sliders * d].reshape((sliders, d)),
         work[0:m].reshape((rows, d)),
         work[m : 2 * m].reshape((rows, d)),
         work[2 * m : 3 * m].reshape((rows, d)),
