@@ -58,7 +58,8 @@ class Step:
         parts, contact = self.model.parts, self.now.scratch.contact
         self.now.sliders[:, :-1] = 1e-2 * rng.standard_normal((len(self.now.sliders), self.d - 1))  # some nodes hold, some slide
         seabed.recall_sliders(parts.friction, self.now.sliders, self.top, contact)
-        seabed.start_contacts(parts.seabed, parts.friction, self.problem.ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, contact)
+        ground = self.problem.ground
+        seabed.start_contacts(parts.seabed, parts.friction, ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, contact)
         self.fading = rng.uniform(0.0, 1.0, self.n - 1)  # shares of the slack damping
         self.contacts = self.now.scratch.contact[:, seabed.FORCE].copy()
 
