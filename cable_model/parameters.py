@@ -92,7 +92,7 @@ class Seabed:
     friction_coefficient: float = quantity("1", "Coulomb friction along the seabed (0 = none)", default=0.0, least=0.0)
     friction_displacement: float = quantity("m", "displacement at which a cable begins to slide over the seabed", default=1e-3, above=0.0)
     friction_velocity: float = quantity(
-        "m/s", "velocity at which it slides at once: friction is a spring and a dashpot until it slides", default=0.01, above=0.0
+        "m/s", "velocity at which it slides at once; until it slides, friction is that of a spring and a dashpot", default=0.01, above=0.0
     )
     laid_from_anchor: bool = quantity(
         "", "whether the cable starts with the friction of one laid out straight from its anchor (false: without friction)", default=False
