@@ -159,8 +159,15 @@ EFFECTS = (
     ),
     Effect(
         "friction", "friction along the seabed", Given("seabed.friction_coefficient"), ("seabed.friction_coefficient",), needs=("seabed",),
-        models=(CHAIN,), grids=(STAGGERED,), numbers=("seabed.friction_coefficient", "seabed.friction_velocity"),
-        left_out={"seabed.friction_coefficient": 0.0}, costs={"seabed and friction": {**_SEABED, "seabed.friction_coefficient": 0.3}},
+        models=(CHAIN,), grids=(STAGGERED,),
+        numbers=("seabed.friction_coefficient", "seabed.friction_displacement", "seabed.friction_velocity"),
+        left_out={"seabed.friction_coefficient": 0.0, "seabed.laid_from_anchor": False},
+        costs={"seabed and friction": {**_SEABED, "seabed.friction_coefficient": 0.3}},
+    ),
+    Effect(
+        "laid", "cable laid out from its anchor", Given("seabed.laid_from_anchor"), ("seabed.laid_from_anchor",),
+        needs=("seabed", "friction"), models=(CHAIN,), grids=(STAGGERED,), part=False,
+        numbers=("seabed.laid_from_anchor",), left_out={"seabed.laid_from_anchor": False},
     ),
     Effect(
         "winch", "winch", Given("winch.fitted"), ("winch.fitted",), models=(CHAIN,), grids=(STAGGERED,), parameters=("winch.fitted",),

@@ -90,7 +90,13 @@ class Seabed:
     stiffness: float = quantity("Pa/m", "pressure per depth of penetration, on the diameter (0 = no seabed)", default=0.0, least=0.0)
     damping_ratio: float = quantity("1", "damping of a node on the seabed over the critical one", default=1.0, least=0.0)
     friction_coefficient: float = quantity("1", "Coulomb friction along the seabed (0 = none)", default=0.0, least=0.0)
-    friction_velocity: float = quantity("m/s", "sliding velocity at which friction reaches 0.7 of its full value", default=0.01, above=0.0)
+    friction_displacement: float = quantity("m", "displacement at which a cable begins to slide over the seabed", default=1e-3, above=0.0)
+    friction_velocity: float = quantity(
+        "m/s", "velocity at which it slides at once; until it slides, friction is that of a spring and a dashpot", default=0.01, above=0.0
+    )
+    laid_from_anchor: bool = quantity(
+        "", "whether the cable starts with the friction of one laid out straight from its anchor (false: without friction)", default=False
+    )
 
 
 @dataclass(frozen=True)

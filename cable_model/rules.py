@@ -80,6 +80,10 @@ RULES = (
         ~Given("seabed.stiffness") & (Given("seabed.level") | Given("seabed.friction_coefficient")), "seabed.stiffness",
         "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
     ),
+    Rule(
+        Given("seabed.laid_from_anchor") & ~(Given("seabed.friction_coefficient") & Given("lower_end.anchored")), "seabed.laid_from_anchor",
+        "false without friction and an anchor", "Give seabed.friction_coefficient and set lower_end.anchored = true.",
+    ),
     Rule(Given("current.levels") & Given("current.speed"), "current.speed", "0 beside current.levels", "Keep one of them."),
     Rule(Given("current.levels") & Given("current.direction"), "current.direction", "0 beside current.levels", "Keep one of them."),
     Rule(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, drive, every, make, swing, unroll, view, with_tensions
 
-from cable_model.kernels import seabed
+from cable_model.kernels import friction, seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
@@ -55,9 +55,11 @@ class Step:
         reach = STEP * gamma * (1.0 - alpha_k) / (1.0 - alpha_m)  # of the position by the velocity, both new
         averaged = reach * (1.0 - alpha_k)
         self.gains = Gains(averaged, 1.0 - alpha_k, (1.0 - alpha_m) / (gamma * STEP), averaged, 1.0, STEP, Winding(1.75, 0.2, 0.4))
-        seabed.start_contacts(
-            self.model.parts.seabed, self.problem.ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, self.now.scratch.contact
-        )
+        parts, contact = self.model.parts, self.now.scratch.contact
+        self.now.sliders[:, :-1] = 1e-2 * rng.standard_normal((len(self.now.sliders), self.d - 1))  # some nodes hold, some slide
+        seabed.recall_sliders(parts.friction, self.now.sliders, self.top, contact)
+        ground = self.problem.ground
+        seabed.start_contacts(parts.seabed, parts.friction, ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, contact)
         self.fading = rng.uniform(0.0, 1.0, self.n - 1)  # shares of the slack damping
         self.contacts = self.now.scratch.contact[:, seabed.FORCE].copy()
 
@@ -70,6 +72,7 @@ class Step:
         s.cells[: self.n - 1, 0] = force
         s.cells[: self.n - 1, FADING] = self.fading
         s.contact[:, seabed.FORCE] = self.contacts
+        s.contact[:, friction.BEFORE : friction.NOW] = 0.0  # no slider pulled the other way before
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
@@ -98,7 +101,8 @@ class Step:
 
 GROUND = {
     "cable__diameter": 0.01, "lower_end__anchored": True, "lower_end__x": 0.9, "lower_end__z": -1.9,
-    "seabed__level": -1.9, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4, "seabed__friction_velocity": 0.2,
+    "seabed__level": -1.8, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4, "seabed__friction_displacement": 1e-2,
+    "seabed__friction_velocity": 3.0,
 }  # fmt: skip
 SCENES = {
     "plane": (PLAIN, {}),
@@ -114,9 +118,10 @@ SCENES = {
 }
 
 
+@pytest.mark.parametrize("seed", [3, 5])  # on the seabed with 3 the nodes slide, with 5 some hold
 @pytest.mark.parametrize(("base", "changes"), SCENES.values(), ids=SCENES)
-def test_jacobian_is_the_derivative_of_the_residual(base, changes):
-    step = Step(base, 3, cable__axial_stiffness=300.0, **changes)
+def test_jacobian_is_the_derivative_of_the_residual(base, changes, seed):
+    step = Step(base, seed, cable__axial_stiffness=300.0, **changes)
     v1 = step.y0[step.n :].copy()
     force = step.settled_tensions(v1)
     assert force.min() < 0.1 * force.max()  # slack cells are among them
@@ -191,7 +196,7 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         step.solve()
         _update_tensions(parts.slack, step.problem.numeric, step.now.mesh, s.cells)
         contacts = step.contacts
-        seabed.update_contacts(parts.seabed, step.problem.ground, step.now.mesh, s.x, s.contact)
+        seabed.update_contacts(parts.seabed, parts.friction, step.problem.ground, step.gains, step.now.mesh, s.x, step.top, s.contact)
         step.contacts = s.contact[:, seabed.FORCE].copy()
         v1 += s.x[: step.n]
         new = s.cells[: step.n - 1, 0].copy()

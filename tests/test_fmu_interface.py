@@ -141,6 +141,9 @@ def test_every_parameter_reaches_the_scene():
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
         needs["seabed.level"] = needs["seabed.friction_coefficient"] = {"seabed.stiffness": 1e5}
+        needs["seabed.laid_from_anchor"] = {
+            "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "lower_end.anchored": True, "body.mass": 0.0
+        }  # fmt: skip
         needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
         model = used_by(row.scene_name)[0]

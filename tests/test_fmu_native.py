@@ -34,6 +34,7 @@ ANCHORED = {
     "lower_end.anchored": True, "lower_end.x": 60.0, "lower_end.z": -60.0, "body.mass": 0.0, "body.volume": 0.0,
     "body.drag_area": 0.0, "body.added_mass": 0.0,
 }  # fmt: skip
+SEABED = {"seabed.level": -60.0, "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "seabed.laid_from_anchor": True}
 DRY = {"water.density": 0.0}
 # few sets of parts, because the library compiles each of them
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -48,9 +49,11 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
         | {"cable.bending_stiffness": 30.0, "cable.axial_damping": 1e4},
     ),
     "chain, dry, anchored, compressible": ("chain", ANCHORED | DRY | {"cable.compressible": True}),
-    "chain in space, anchored": (
+    "chain in space, anchored, laid out on a seabed": (
         "chain",
-        ANCHORED | {"solver.space": True, "lower_end.y": 20.0, "current.speed": 0.5, "current.direction": 1.0, "wave.amplitude": 0.5},
+        ANCHORED
+        | SEABED
+        | {"solver.space": True, "lower_end.y": 20.0, "current.speed": 0.5, "current.direction": 1.0, "wave.amplitude": 0.5},
     ),
     "tow as it is": ("tow", {}),
     "tow, dry, no cable mass": ("tow", DRY | {"tow.cable_mass": False}),
@@ -205,6 +208,18 @@ def test_a_restored_run_is_bit_identical(fmu: Fmu, order: int):
     other = fmu.instance()
     other.slave.setFMUstate(other.slave.deSerializeFMUstate(data))
     assert other.get("body.mass") == 450.0
+    assert np.array_equal(other.run(20, first=7), expected)
+    instance.close()
+    other.close()
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_a_saved_state_has_the_friction_of_a_cable_on_the_seabed(native: dict[str, Fmu], space: bool):
+    instance = started(native["chain"], ANCHORED | SEABED | {"solver.space": space}, 7)
+    state = instance.slave.serializeFMUstate(instance.slave.getFMUstate())
+    expected = instance.run(20, first=7)
+    other = native["chain"].instance()
+    other.slave.setFMUstate(other.slave.deSerializeFMUstate(state))
     assert np.array_equal(other.run(20, first=7), expected)
     instance.close()
     other.close()

@@ -36,6 +36,11 @@ SMOOTH = top_motion(
 )
 KEYS = {"CableChain": "chain", "TowCable": "tow"}
 LONE_CHANGES = {"cable.length": 40.0, "solver.time_step": 0.02, "water.density": 1000.0}
+LAID_OUT = {
+    "lower_end.anchored": True, "lower_end.x": 60.0, "lower_end.z": -60.0, "body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0,
+    "body.added_mass": 0.0, "seabed.level": -60.0, "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5,
+    "seabed.laid_from_anchor": True,
+}  # fmt: skip
 
 
 def library(fmu: Fmu, values: dict[str, object] | None = None):
@@ -172,6 +177,18 @@ def test_a_serialized_state_goes_on_in_another_instance(fmu: Fmu):
     two.slave.setFMUstate(two.slave.deSerializeFMUstate(data))
     assert np.array_equal(two.run(20, first=10), ahead)
     assert two.slave.serializeFMUstate(two.slave.getFMUstate()) != data
+    two.close()
+
+
+def test_a_serialized_state_has_the_friction_of_a_cable_on_the_seabed(fmus: dict[str, Fmu]):
+    one, two = fmus["chain"].instance(), fmus["chain"].instance()
+    one.initialize(LAID_OUT, sway(0.0))
+    one.run(10)
+    data = one.slave.serializeFMUstate(one.slave.getFMUstate())
+    ahead = one.run(20, first=10)
+    two.slave.setFMUstate(two.slave.deSerializeFMUstate(data))
+    assert np.array_equal(two.run(20, first=10), ahead)
+    one.close()
     two.close()
 
 

@@ -150,4 +150,6 @@ CASES = (
     Case("H12", "hard/slack_current", (Variant("lambda -0.5"),), chaos=TURN),
     Case("H13", "basin_chain", BASIN, check="basin"),
     Case("H14", "hard/three_hours", (Variant("lambda -0.5", refined=False),), check="drift"),
+    Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
+    Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),
 )

@@ -13,6 +13,7 @@ from cable_model.hard.record import Record
 from cable_model.hard.rules import Finding
 
 Runs = Mapping[str, Record]  # the judged runs of a case by their labels
+DRAGGED, DRAGGED_IN = 0.3, 30.0  # m, s: of the chain of H20
 
 
 def folded_fall(runs: Runs) -> list[Finding]:
@@ -91,6 +92,31 @@ def no_drift(runs: Runs) -> list[Finding]:
     return [Finding("+", drift, 1e-3, drift <= 1e-3, "mean position of the body, last ten minutes against the first, over L")]
 
 
+def held(runs: Runs) -> list[Finding]:
+    """A chain dragged over the bottom and held: sqrt(2 EA mu w u) at its top but for the half cell there, and no change ever after."""
+    found = []
+    for label, run in runs.items():
+        cable = run.scene.cable
+        right = float(np.sqrt(2.0 * cable.axial_stiffness * run.weight / cable.length * DRAGGED))
+        tension = run["top.tension"][run.times >= DRAGGED_IN]
+        off, change = abs(float(tension[-1]) / right - 1.0), float(np.ptp(tension)) / right
+        found.append(Finding("+", off, 0.02, off <= 0.02, f"{label}: tension at the top against {right:.0f} N"))
+        found.append(Finding("+", change, 1e-4, change <= 1e-4, f"{label}: its change while held, over it"))
+    return found
+
+
+def touchdown(runs: Runs) -> list[Finding]:
+    """Where the cable leaves the bottom, by the weight that the top carries: mean over the last ten minutes against the second ten.
+
+    The motion repeats every ten minutes; in the first ten the cable finds its place.
+    """
+    (run,) = runs.values()
+    second, last = (run.times > 600.0) & (run.times <= 1200.0), run.times > run.reached - 600.0
+    lifted = -run["top.force_z"] / run.weight  # of L
+    drift = abs(float(lifted[last].mean() - lifted[second].mean()))
+    return [Finding("+", drift, 1e-3, drift <= 1e-3, "mean place of touchdown, last ten minutes against the second, over L")]
+
+
 CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
     "folded fall": folded_fall,
     "peaks": peaks,
@@ -98,4 +124,6 @@ CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
     "bounces": bounces,
     "basin": basin.findings,
     "drift": no_drift,
+    "held": held,
+    "touchdown": touchdown,
 }

@@ -79,7 +79,10 @@ def _grounded(seabed, parts, p, cable, moves):
     hung = abs(body_weight(body_part(parts.body, parts.water, p))) / weight
     lag = moves * 2.0 * bed.damping_ratio * math.sqrt(cable.mass / stiffness)
     smoothing = p[0].solver.slack_smoothing * weight
-    return Ground(bed.level, stiffness, lag, moves, bed.friction_coefficient, bed.friction_velocity, hung, smoothing)
+    laid = (1.0 - moves) * bed.laid_from_anchor
+    friction = max(moves, laid) * bed.friction_coefficient
+    grip, drag = friction * weight / bed.friction_displacement, moves * friction * weight / bed.friction_velocity
+    return Ground(bed.level, stiffness, lag, moves, friction, grip, drag, laid, hung, smoothing)
 
 
 _ground = by_presence(_no_ground, _grounded)

@@ -179,8 +179,8 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny):
 
 
 @kernel
-def _accept(parts, problem, view, h, tiny):
-    grid.keep(parts.box, parts, problem, view)
+def _accept(parts, problem, view, like, h, tiny):
+    grid.keep(parts.box, parts, problem, view, like, h)
     size = view.y.size
     y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
@@ -327,7 +327,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[0].solver.time_step, max(used * growth, kept, SMALLEST_STEP * p[0].solver.time_step))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(parts, problem, view, used, used < tiny)
+        _accept(parts, problem, view, top_at(parts, state, 0), used, used < tiny)
         state[header.STEP] = used
         state[header.LAG_BEFORE] = state[header.LAG]
         state[header.LAG] = c.alpha_k * used

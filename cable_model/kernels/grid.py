@@ -8,7 +8,7 @@ from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import total_weight
-from cable_model.kernels.seabed import start_contacts
+from cable_model.kernels.seabed import keep_sliders, lay_out, recall_sliders, start_contacts
 from cable_model.kernels.slack import limited
 from cable_model.kernels.vector import axpy, load, mix, norm, scale
 
@@ -67,9 +67,13 @@ place_nodes = by_presence(_staggered_places, _box_places)
 
 @kernel
 def _staggered_equilibrium(box, parts, problem, p, view, top, anchor, time):
-    return staggered_chain.equilibrium(
+    contact = view.scratch.contact
+    lay_out(parts.friction, problem.ground, view.mesh, anchor, top, contact)
+    status = staggered_chain.equilibrium(
         parts, problem, p, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force, top, anchor, time, view.scratch
     )
+    keep_sliders(parts.friction, problem.ground, view.mesh, 1.0, top, contact, view.sliders)
+    return status
 
 
 @kernel
@@ -84,6 +88,7 @@ equilibrium = by_presence(_staggered_equilibrium, _box_equilibrium)
 
 @kernel
 def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
+    recall_sliders(parts.friction, view.sliders, top, view.scratch.contact)
     status = staggered_chain.starting_rates(
         parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force,
         top, velocity, acceleration, winding, time, p[0].solver.time_step, view.scratch,
@@ -109,6 +114,7 @@ starting_rates = by_presence(_staggered_rates, _box_rates)
 
 @kernel
 def _staggered_step(box, parts, problem, view, c, time, h, reach, before, after, velocity, winding):
+    recall_sliders(parts.friction, view.sliders, before, view.scratch.contact)
     return staggered_step.newton_step(
         parts, problem, view.mesh, view.y, view.yd0, view.ydd, c, time + (1.0 - c.alpha_k) * h, h,
         mix(1.0 - c.alpha_k, after, c.alpha_k, before), velocity, winding, view.contraction, view.y1, view.yd1,
@@ -141,22 +147,23 @@ change_length = by_presence(_staggered_length, _box_length)  # winches are refus
 
 
 @kernel
-def _staggered_keep(box, parts, problem, view):
-    """The tensions that the last Newton iteration found."""
+def _staggered_keep(box, parts, problem, view, like, h):
+    """The tensions that the last Newton iteration found, and the stretch of friction's springs."""
     for i in range(view.force.shape[0]):
         view.force_old[i] = view.force[i]
     staggered_step.keep_tensions(parts, problem.numeric, view.mesh, view.force, view.scratch)
+    keep_sliders(parts.friction, problem.ground, view.mesh, h, like, view.scratch.contact, view.sliders)
 
 
 @kernel
-def _box_keep(box, parts, problem, view):
+def _box_keep(box, parts, problem, view, like, h):
     """The state before the step: rates of the box grid's algebraic unknowns ring, and would predict badly."""
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.y_old[i, k] = view.y[i, k]
 
 
-keep = by_presence(_staggered_keep, _box_keep)  # what predicts the next step, beside rates; before the new state takes its place
+keep = by_presence(_staggered_keep, _box_keep)  # what the next step needs, beside Y and its rates; before the new state takes its place
 
 
 @kernel
@@ -228,7 +235,8 @@ lead_on = by_presence(_staggered_lead, _box_lead)  # the state and its rates som
 def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, winding, time):
     mesh = view.mesh
     n = mesh.shape[0] + 1
-    start_contacts(parts.seabed, problem.ground, mesh, view.y, n - 1, last, top, view.scratch.contact)
+    recall_sliders(parts.friction, view.sliders, top, view.scratch.contact)
+    start_contacts(parts.seabed, parts.friction, problem.ground, mesh, view.y, n - 1, last, top, view.scratch.contact)
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]

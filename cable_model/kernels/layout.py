@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
 
@@ -24,6 +25,7 @@ class View(NamedTuple):
     contraction: object  # (1,)
     force: object
     force_old: object
+    sliders: object  # stretch of the springs of friction.py
     y1: object
     yd1: object
     yd0: object
@@ -48,7 +50,7 @@ axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimensio
 def state_size(parts, p):
     n = node_count(p)
     rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + (3 * rows + kept) * columns + 2 * tensions
+    return header.HEADER + 2 * (n - 1) + (3 * rows + kept + slider_count(parts.friction, n)) * columns + 2 * tensions
 
 
 @kernel
@@ -67,6 +69,8 @@ def cut(parts, p, state, work):
     m = rows * d
     o = header.HEADER + 2 * (n - 1)
     e = o + 3 * m + kept * d
+    f = e + 2 * tensions
+    sliders = slider_count(parts.friction, n)
     return View(
         state[header.HEADER : o].reshape((n - 1, 2)),
         state[o : o + m].reshape((rows, d)),
@@ -75,7 +79,8 @@ def cut(parts, p, state, work):
         state[o + 3 * m : e].reshape((kept, d)),
         state[header.CONTRACTION : header.CONTRACTION + 1],
         state[e : e + tensions],
-        state[e + tensions : e + 2 * tensions],
+        state[e + tensions : f],
+        state[f : f + sliders * d].reshape((sliders, d)),
         work[PATH : PATH + m].reshape((rows, d)),
         work[PATH + m : PATH + 2 * m].reshape((rows, d)),
         work[PATH + 2 * m : PATH + 3 * m].reshape((rows, d)),
@@ -91,8 +96,8 @@ def led_on(parts, view, time, last, offset):
         return view
     grid.lead_on(parts.box, view, time, last, offset)
     return View(
-        view.mesh, view.y1, view.yd1, view.ydd, view.y_old, view.contraction, view.force, view.force_old, view.y1, view.yd1, view.yd0,
-        view.bridge, view.scratch,
+        view.mesh, view.y1, view.yd1, view.ydd, view.y_old, view.contraction, view.force, view.force_old, view.sliders, view.y1,
+        view.yd1, view.yd0, view.bridge, view.scratch,
     )  # fmt: skip
 
 

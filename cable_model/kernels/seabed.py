@@ -1,28 +1,29 @@
-"""The seabed under a cable: a flat elastic bottom that pushes upwards only, with damping, and Coulomb friction along it.
+"""The seabed under a cable: a flat elastic bottom that pushes upwards only, with damping, and friction along it.
 
-Per node with the length l of cable that it carries, at height z above the bottom, with vertical velocity w and velocity u along it:
+Per node with the length l of cable that it carries, at height z above the bottom, with vertical velocity w:
 
-    f = -K d l (z + lag w),   N = (f + sqrt(f^2 + w0^2))/2,   friction = -mu N u / sqrt(|u|^2 + u0^2)
+    f = -K d l (z + lag w),   N = (f + sqrt(f^2 + w0^2))/2
 
 K the stiffness in Pa/m, lag = 2 zeta sqrt(m/(K d)) but at least one time step (in statics none).  f is taken at the new time,
 not at the averaged one: a node that lands is then at rest after a step, while the average of its velocities would let it ring
 with lambda_infinity.
-N is an unknown in the barrier form of slack.py; as it belongs to one node it is condensed there.
+N is an unknown in the barrier form of slack.py; as it belongs to one node it is condensed there.  Friction is that of friction.py.
 """
 
 from typing import NamedTuple
 
+from cable_model.kernels import friction as sliders
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.slack import constitutive, iterate, step_tension
-from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, outer, scale, scale_matrix, sub, upward, zero
+from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, norm, outer, scale, store_from, sub, upward, zero
 
 FORCE = 0  # columns of the contact table: N
 CHANGE = 1  # its Newton change at fixed velocities
 SLOPE = 2  # its derivative by the vertical velocity
 HEIGHT = 3  # height and vertical velocity of the node at the old time
 SPEED = 4
-COLUMNS = 5
+COLUMNS = sliders.COLUMNS  # the others are friction.py's
 
 
 class Ground(NamedTuple):
@@ -32,8 +33,10 @@ class Ground(NamedTuple):
     stiffness: float  # K d, N/m2
     lag: float  # damping over stiffness, s
     least_lag: float  # in time steps
-    friction: float
-    friction_velocity: float  # u0, m/s
+    friction: float  # mu, and of friction.py: 0 in statics without friction
+    grip: float  # k, N/m2
+    drag: float  # c, N s/m2
+    laid: float  # 1: statics of a cable that was laid out from its anchor
     body_length: float  # of cable that would weigh as much as the body, m: the body sinks in as deep as the cable
     smoothing: float  # w0 of a unit length, N/m
 
@@ -55,12 +58,12 @@ def under_body(present, ground, mesh):
 
 
 @kernel
-def _no_start(present, ground, mesh, y0, top_row, h, like, contact):
+def _no_start(present, friction, ground, mesh, y0, top_row, h, like, contact):
     return
 
 
 @kernel
-def _start(present, ground, mesh, y0, top_row, h, like, contact):
+def _start(present, friction, ground, mesh, y0, top_row, h, like, contact):
     n = mesh.shape[0] + 1
     position = load(y0, top_row, like)
     for i in range(n - 2, -1, -1):
@@ -74,6 +77,7 @@ def _start(present, ground, mesh, y0, top_row, h, like, contact):
         contact[i, FORCE] = 0.5 * (f + root) if f > 0.0 else 0.5 * w0 * w0 / (root - f)
         contact[i, HEIGHT] = height
         contact[i, SPEED] = speed
+        sliders.start_slider(friction, ground, length, like, contact, i)
 
 
 start_contacts = by_presence(_no_start, _start)  # heights, velocities and forces of all nodes at the start of a step of length h
@@ -82,18 +86,6 @@ start_contacts = by_presence(_no_start, _start)  # heights, velocities and force
 @kernel
 def _no_load(present, friction, ground, gains, mesh, i, position, v, contact):
     return zero(v), diagonal(0.0, v)
-
-
-@kernel
-def _rub(friction, ground, gains, force, along):
-    """Friction per N against the velocity `along` the bottom, and the derivative of N times it by the velocity."""
-    if friction is None:
-        return zero(along), diagonal(0.0, along)
-    speed = (dot(along, along) + ground.friction_velocity**2) ** 0.5
-    share = scale(ground.friction / speed, along)
-    level = add_matrix(diagonal(1.0, along), scale_matrix(-1.0, outer(upward(1.0, along), upward(1.0, along))))
-    steep = add_matrix(scale_matrix(ground.friction, level), scale_matrix(-1.0 / ground.friction, outer(share, share)))
-    return share, scale_matrix(force * gains.v / speed, steep)
 
 
 @kernel
@@ -114,9 +106,9 @@ def _load(present, friction, ground, gains, mesh, i, position, v, contact):
     contact[i, FORCE] = force
     contact[i, CHANGE] = change
     contact[i, SLOPE] = by_speed
-    share, by_velocity = _rub(friction, ground, gains, force, axpy(-dot(v, up), up, v))
+    share, held, by_velocity = sliders.friction_of(friction, ground, gains, length, position, v, force, contact, i)
     along = sub(share, up)  # of the seabed's force, per N and negative
-    residual = scale(force + change, along)
+    residual = axpy(force + change, along, held)
     jacobian = outer(scale(by_speed, along), up)
     return residual, add_matrix(jacobian, by_velocity)
 
@@ -125,14 +117,67 @@ node_load = by_presence(_no_load, _load)  # what the seabed adds to the residual
 
 
 @kernel
-def update_contacts(present, ground, mesh, x, contact):
-    """Newton's change of the contact forces from that of the velocities; whether one was cut by more than a trifle."""
+def update_contacts(present, friction, ground, gains, mesh, x, like, contact):
+    """Newton's change of the contact forces from that of the velocities; whether one was cut by more than a trifle, or changed its law."""
     if present is None:
         return False
     cut = False
     last = x.shape[1] - 1
     for i in range(mesh.shape[0]):
         change = contact[i, CHANGE] + contact[i, SLOPE] * x[i, last]
-        contact[i, FORCE], limited = step_tension(present, ground.smoothing * _carried(ground, mesh, i), contact[i, FORCE], change)
-        cut = cut or limited
+        length = _carried(ground, mesh, i)
+        before = contact[i, FORCE]
+        contact[i, FORCE], limited = step_tension(present, ground.smoothing * length, before, change)
+        other = sliders.move_slider(friction, ground, gains, length, x, before, contact[i, FORCE], contact, i, like)
+        cut = cut or limited or other
     return cut
+
+
+@kernel
+def _nothing_to_recall(friction, stretch, like, contact):
+    return
+
+
+@kernel
+def _recall(friction, stretch, like, contact):
+    for i in range(stretch.shape[0]):
+        store_from(contact, i, sliders.BASE, load(stretch, i, like))
+
+
+recall_sliders = by_presence(_nothing_to_recall, _recall)  # the state's stretches, before a step
+
+
+@kernel
+def _nothing_laid(friction, ground, mesh, anchor, top, contact):
+    return
+
+
+@kernel
+def _lay_out(friction, ground, mesh, anchor, top, contact):
+    if anchor is None:
+        return
+    ahead = sub(top, anchor)
+    ahead = axpy(-ahead[len(top) - 1], upward(1.0, top), ahead)
+    reach = norm(ahead)
+    place = sub(zero(top), anchor)
+    for i in range(mesh.shape[0]):
+        store_from(contact, i, sliders.BASE, scale(ground.laid, axpy(-place[len(top) - 1], upward(1.0, top), place)))
+        if reach > 0.0:
+            place = axpy(-mesh[i, 0] / reach, ahead, place)
+
+
+lay_out = by_presence(_nothing_laid, _lay_out)  # where nodes lie on a cable laid out unstretched from its anchor towards its top
+
+
+@kernel
+def _nothing_kept(friction, ground, mesh, h, like, contact, stretch):
+    return
+
+
+@kernel
+def _keep(friction, ground, mesh, h, like, contact, stretch):
+    for i in range(stretch.shape[0]):
+        sliders.keep_slider(friction, ground, _carried(ground, mesh, i), h, contact, i, like, stretch)
+
+
+keep_sliders = by_presence(_nothing_kept, _keep)  # the state's stretches, after an accepted step of length h

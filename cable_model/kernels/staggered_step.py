@@ -154,7 +154,7 @@ def newton_step(
     _fade(parts, problem.numeric, mesh, s)
     _forget_slack(parts.slack, parts, problem, mesh, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
-    start_contacts(parts.seabed, problem.ground, mesh, y0, n - 1, h, like, s.contact)
+    start_contacts(parts.seabed, parts.friction, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
@@ -171,7 +171,7 @@ def newton_step(
         if not change < 1e12:
             return DIVERGED
         cut = _update_tensions(parts.slack, problem.numeric, mesh, s.cells)
-        cut = update_contacts(parts.seabed, problem.ground, mesh, s.x, s.contact) or cut
+        cut = update_contacts(parts.seabed, parts.friction, problem.ground, gains, mesh, s.x, like, s.contact) or cut
         if has_converged(iteration, change, previous, problem.numeric, contraction) and not cut:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
             return iteration
