@@ -72,13 +72,16 @@ def _unit_definitions(rows: Sequence[Variable]) -> Element:
 
 
 def _structure(rows: Sequence[Variable]) -> Element:
-    """Outputs depend on the state alone.  Before initialization ends, they depend on what was set before it began."""
+    """Outputs after a step depend on the state alone; while initialization lasts, on inputs and parameters."""
     structure = Element("ModelStructure")
-    for name in ("Outputs", "InitialUnknowns"):
-        unknowns = SubElement(structure, name)
-        for index, row in enumerate(rows, start=1):
-            if row.causality == "output":
-                SubElement(unknowns, "Unknown", index=str(index), dependencies="")
+    outputs, initial = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    parameters = [index for index, row in enumerate(rows, start=1) if row.causality == "parameter"]
+    for index, row in enumerate(rows, start=1):
+        if row.causality == "output":
+            SubElement(outputs, "Unknown", index=str(index), dependencies="")
+            inputs = [place for place, known in enumerate(rows, start=1) if known.name in row.starts_from]
+            known = inputs + parameters if inputs else []
+            SubElement(initial, "Unknown", index=str(index), dependencies=" ".join(map(str, known)))
     return structure
 
 

@@ -96,7 +96,6 @@ class CableSlave(Fmi2Slave):
         self._phase = Phase.INSTANTIATED
         self._start_time = 0.0
         self._inputs = np.zeros(len(INPUTS))
-        self._entered = np.zeros(len(INPUTS))
         self._outdated = True
         self._model: Model | None = None
         self._doubts = 0
@@ -132,11 +131,10 @@ class CableSlave(Fmi2Slave):
     def enter_initialization_mode(self) -> None:
         self._phase = Phase.INITIALIZING
         self._outdated = True
-        self._entered[:] = [self._real[vr] for vr in _INPUTS]
 
     @_guarded
     def exit_initialization_mode(self) -> None:
-        self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
+        self._preview()
         self._phase = Phase.RUNNING
         self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
         self._tell_doubts()
@@ -176,9 +174,12 @@ class CableSlave(Fmi2Slave):
     def terminate(self) -> None:
         self._phase = Phase.TERMINATED
 
-    def _initialize(self, inputs: np.ndarray) -> None:
+    def _preview(self) -> None:
+        """While initialization lasts, outputs are those of the equilibrium under the values that are set by then."""
+        if self._phase is not Phase.INITIALIZING or not self._outdated:
+            return
         model = self._made(self._parameters())
-        model.initialize(inputs, self._start_time)
+        model.initialize(np.array([self._real[vr] for vr in _INPUTS]), self._start_time)
         self._model = model
         self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
         self._outdated = False
@@ -194,11 +195,6 @@ class CableSlave(Fmi2Slave):
         return "" if self._model is None else one_line(self._model.scene, self.model_key)
 
     # -- values
-
-    def _preview(self) -> None:
-        """Outputs while initialization lasts: the equilibrium under the inputs from before it, so that they depend on no input."""
-        if self._phase is Phase.INITIALIZING and self._outdated:
-            self._initialize(self._entered)
 
     def _known(self, values: dict[int, Any], vr: int, kind: str) -> Variable:
         if vr not in values:
@@ -218,9 +214,9 @@ class CableSlave(Fmi2Slave):
             if row.causality == "parameter":
                 if self._phase > Phase.INITIALIZING:
                     raise refuse(row.name, shown, row.unit, "set before the end of initialization", "Reset the FMU first.")
-                self._outdated = True
             elif row.causality != "input":
                 raise refuse(row.name, shown, row.unit, "left alone: it is calculated", "Set inputs and parameters only.")
+            self._outdated = True
             values[vr] = value
 
     @_guarded
@@ -235,7 +231,7 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        known = self._real
+        known, self._outdated = self._real, True
         for vr, value in zip(vrs, values, strict=True):
             if vr in _INPUTS:
                 known[vr] = value
@@ -276,7 +272,7 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def _get_fmu_state(self) -> bytes:
         parameters = np.array([float(value) for value in self._parameters().values()])
-        numbers = np.array([self._start_time, *self._entered, *(self._real[vr] for vr in range(_EFFECTS))])
+        numbers = np.array([self._start_time, *(self._real[vr] for vr in range(_EFFECTS))])
         model = np.zeros(0) if self._model is None else self._model.state
         return pack(SavedState(self._phase, numbers, parameters, model), self._build())
 
@@ -292,10 +288,9 @@ class CableSlave(Fmi2Slave):
             if model is None or named != self._parameters():
                 model = self._made(named)
             model.state[:] = saved.model
-        start, entered, reals = np.split(saved.numbers, [1, 1 + len(INPUTS)])
+        start, reals = np.split(saved.numbers, [1])
         self._phase = Phase(saved.phase)
         self._start_time = float(start[0])
-        self._entered[:] = entered
         self._outdated = True
         self._real |= dict(enumerate(reals.tolist())) | kept["Real"]
         self._integer |= kept["Integer"]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _MAGIC = b"CABLEFMU"
-_VERSION = 1
+_VERSION = 2
 _HEAD = struct.Struct("<8sI16sIIII")  # magic, version, build, phase, fixed numbers, parameters, model state
 _CHECK = struct.Struct("<I")
 

@@ -231,7 +231,7 @@ def test_a_state_that_was_changed_is_refused(fmu: Fmu, undisturbed: dict[str, np
         (b"rubbish", f"saved state: must begin with CABLEFMU. {advice}"),
         (data[:20], f"saved state = 20 bytes: must be at least 48. {advice}"),
         (data[:-8], f"saved state = {len(data) - 8} bytes: must be {len(data)}. {advice}"),
-        (data[:8] + b"\7" + data[9:], f"saved state version = 7: must be 1. {advice}"),
+        (data[:8] + b"\7" + data[9:], f"saved state version = 7: must be 2. {advice}"),
         (data[:-20] + b"\0\1\2\3" + data[-16:], "saved state: must have its checksum. It was changed; restore only what"),
     ):
         with pytest.raises(FMICallException):

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from fmu_support import Fmu
@@ -194,14 +195,56 @@ def test_the_archive_says_what_the_table_says(fmu: Fmu):
             assert read(variable.start) == row.start
 
 
-def test_outputs_depend_on_no_input_so_that_no_loop_is_seen(fmu: Fmu):
+def structure_of(fmu: Fmu) -> dict[str, dict[str, set[str]]]:
+    """Of each list of unknowns: the variables that each output depends on."""
     with zipfile.ZipFile(fmu.path) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    wanted = [index for index, row in enumerate(table(), start=1) if row.causality == "output"]
-    for name in ("Outputs", "InitialUnknowns"):
-        unknowns = root.findall(f"ModelStructure/{name}/Unknown")
-        assert [int(u.get("index")) for u in unknowns] == wanted
-        assert all(u.get("dependencies") == "" for u in unknowns)
+    names = [row.name for row in table()]
+    return {
+        kind: {
+            names[int(unknown.get("index")) - 1]: {names[int(index) - 1] for index in unknown.get("dependencies").split()}
+            for unknown in root.findall(f"ModelStructure/{kind}/Unknown")
+        }
+        for kind in ("Outputs", "InitialUnknowns")
+    }
+
+
+def test_outputs_after_a_step_depend_on_no_input_so_that_no_loop_is_seen(fmu: Fmu):
+    assert structure_of(fmu)["Outputs"] == {row.name: set() for row in table() if row.causality == "output"}
+
+
+def test_outputs_at_the_start_depend_on_what_changes_them(fmu: Fmu):
+    """Every input and parameter that moves an output, in any of some scenes, is among its dependencies."""
+    told = structure_of(fmu)["InitialUnknowns"]
+    assert list(told) == [row.name for row in table() if row.causality == "output"]
+    key = {"CableChain": "chain", "TowCable": "tow"}[fmu.path.stem]
+    found: dict[str, set[str]] = {name: set() for name in OUTPUTS}
+    start = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1, 0.0])
+    base = {"top.motion_order": 2, "current.speed": 0.5, **({"solver.nodes": 11} if key == "chain" else {})}
+    for scene in ({}, {"solver.space": True}) if key == "tow" else ({"solver.space": True}, {"winch.fitted": True}):
+        plain = instance_outputs(fmu, base | scene, start)
+        for k, name in enumerate(INPUTS):
+            if (key == "tow" and name == "top.vy" and not scene) or (name == "winch.speed" and "winch.fitted" not in scene):
+                continue  # refused
+            moved = instance_outputs(fmu, base | scene, start + 0.3 * np.eye(len(INPUTS))[k])
+            for output in np.array(OUTPUTS)[moved != plain]:
+                found[output].add(name)
+        for name, value in {"cable.length": 90.0, "water.density": 1000.0, "current.speed": 0.6}.items():
+            for output in np.array(OUTPUTS)[instance_outputs(fmu, base | scene | {name: value}, start) != plain]:
+                found[output].add(name)
+    assert {"top.x", "top.z"} <= found["body.x"] | found["body.z"] and "top.vz" in found["top.force_z"]
+    for output in OUTPUTS:
+        assert found[output] <= told[output], output
+    assert told["solver.steps"] == set() and "body.mass" in told["top.tension"]
+
+
+def instance_outputs(fmu: Fmu, values: dict[str, object], inputs: np.ndarray) -> np.ndarray:
+    """Outputs at the end of initialization."""
+    instance = fmu.instance()
+    instance.initialize(values | dict(zip(INPUTS, inputs.tolist(), strict=True)))
+    outputs = instance.outputs()
+    instance.close()
+    return outputs
 
 
 def test_capabilities_and_date_are_as_hosts_need_them(fmu: Fmu):

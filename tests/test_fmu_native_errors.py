@@ -7,7 +7,8 @@ import pytest
 from fmu_support import (
     FMICallException,
     Fmu,
-    outputs_wait_for_the_end_of_initialization,
+    a_mooring_follows_the_top_during_initialization,
+    outputs_follow_what_is_set_during_initialization,
     recovers,
     refused,
     started,
@@ -135,8 +136,12 @@ def test_calls_out_of_turn_are_errors(fmu: Fmu, undisturbed: dict[str, np.ndarra
     recovers(instance, undisturbed[fmu.path.stem])
 
 
-def test_outputs_read_during_initialization_depend_on_no_input_set_then(fmu: Fmu):
-    outputs_wait_for_the_end_of_initialization(fmu)
+def test_outputs_read_during_initialization_follow_what_is_set_then(fmu: Fmu):
+    outputs_follow_what_is_set_during_initialization(fmu)
+
+
+def test_a_mooring_follows_the_top_that_is_set_during_initialization(native: dict[str, Fmu]):
+    a_mooring_follows_the_top_during_initialization(native["chain"])
 
 
 def test_a_library_of_another_build_is_not_instantiated(fmu: Fmu):

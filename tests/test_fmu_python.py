@@ -12,7 +12,14 @@ from types import ModuleType
 import fmpy
 import numpy as np
 import pytest
-from fmu_support import Fmu, Instance, assert_same, outputs_wait_for_the_end_of_initialization, sway
+from fmu_support import (
+    Fmu,
+    Instance,
+    a_mooring_follows_the_top_during_initialization,
+    assert_same,
+    outputs_follow_what_is_set_during_initialization,
+    sway,
+)
 from native_support import lean
 
 from cable_model.fmu_check import sampled_motion, simulate_fmu
@@ -92,8 +99,12 @@ def test_it_hangs_in_equilibrium_under_the_start_values_of_the_inputs(fmu: Fmu):
     instance.close()
 
 
-def test_outputs_can_be_read_during_initialization_and_depend_on_no_input_then(fmu: Fmu):
-    outputs_wait_for_the_end_of_initialization(fmu)
+def test_outputs_read_during_initialization_follow_what_is_set_then(fmu: Fmu):
+    outputs_follow_what_is_set_during_initialization(fmu)
+
+
+def test_a_mooring_follows_the_top_that_is_set_during_initialization(fmus: dict[str, Fmu]):
+    a_mooring_follows_the_top_during_initialization(fmus["chain"])
 
 
 # -- instances
@@ -194,7 +205,7 @@ def test_the_state_holds_no_pickle_and_is_read_by_its_head(fmu: Fmu):
     instance.initialize()
     data = instance.slave.serializeFMUstate(instance.slave.getFMUstate())
     assert data[:8] == b"CABLEFMU"
-    assert int.from_bytes(data[8:12], "little") == 1
+    assert int.from_bytes(data[8:12], "little") == 2
     instance.close()
 
 

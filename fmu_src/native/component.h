@@ -13,7 +13,6 @@ static const char *const phases[] = {"instantiated", "initializing", "running", 
 
 typedef struct {
     double values[N_VARIABLES]; /* of every kind; a String's place is empty */
-    double entered[N_INPUTS];   /* inputs when initialization began: outputs depend on no later ones before it ends */
     double start_time, last_time;
     double phase, outdated, initialized;
 } Core;
@@ -259,9 +258,10 @@ static fmi2Status check_start(const Instance *m, const double *inputs)
     return fmi2OK;
 }
 
-static fmi2Status initialize(Instance *m, const double *inputs)
+static fmi2Status initialize(Instance *m)
 {
     double outputs[N_OUTPUTS];
+    const double *inputs = m->core.values;
     if (prepare(m) != fmi2OK || check_inputs(m, inputs) != fmi2OK || check_start(m, inputs) != fmi2OK)
         return fmi2Error;
     int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);

@@ -98,10 +98,15 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c)
     Instance *m = c;
     if (expect(m, INSTANTIATED, "new. Reset it first.") != fmi2OK)
         return fmi2Error;
-    memcpy(m->core.entered, m->core.values, sizeof m->core.entered);
     m->core.phase = INITIALIZING;
     m->core.outdated = 1.0;
     return fmi2OK;
+}
+
+/* While initialization lasts, outputs are those of the equilibrium under the values that are set by then. */
+static fmi2Status preview(Instance *m)
+{
+    return m->core.phase == INITIALIZING && m->core.outdated != 0.0 ? initialize(m) : fmi2OK;
 }
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
@@ -109,7 +114,7 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     Instance *m = c;
     if (expect(m, INITIALIZING, "initializing. Enter the initialization mode first.") != fmi2OK)
         return fmi2Error;
-    if (initialize(m, m->core.values) != fmi2OK)
+    if (preview(m) != fmi2OK)
         return fmi2Error;
     m->core.phase = RUNNING;
     inform(m, "%s simulates: %s", MODEL_NAME, active_effects(m));
@@ -157,18 +162,13 @@ fmi2Status fmi2Terminate(fmi2Component c)
 
 /* -- values */
 
-/* Whether vr is a variable of this kind.  While initialization lasts its outputs are those under the inputs from before it. */
+/* Whether vr is a variable of this kind. */
 static fmi2Status known(const Instance *m, fmi2ValueReference vr, char kind)
 {
     if (vr < N_VARIABLES && variables[vr].kind == kind)
         return fmi2OK;
     const char *name = kind == 'R' ? "Real" : kind == 'I' ? "Integer" : kind == 'B' ? "Boolean" : "String";
     return fail(m, "value reference = %u: must be of a %s. Use the references of modelDescription.xml.", vr, name);
-}
-
-static fmi2Status preview(Instance *m)
-{
-    return m->core.phase == INITIALIZING && m->core.outdated != 0.0 ? initialize(m, m->core.entered) : fmi2OK;
 }
 
 static fmi2Status set(Instance *m, fmi2ValueReference vr, char kind, double value)
@@ -178,9 +178,9 @@ static fmi2Status set(Instance *m, fmi2ValueReference vr, char kind, double valu
     if (variables[vr].causality == 'p') {
         if (m->core.phase > INITIALIZING)
             return refuse(m, (int)vr, value, "set before the end of initialization. Reset the FMU first.");
-        m->core.outdated = 1.0;
     } else if (variables[vr].causality != 'i')
         return refuse(m, (int)vr, value, "left alone: it is calculated. Set inputs and parameters only.");
+    m->core.outdated = 1.0;
     m->core.values[vr] = value;
     return fmi2OK;
 }
