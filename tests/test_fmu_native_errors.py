@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fmu_support import (
+    ERROR,
     FMICallException,
     Fmu,
     a_mooring_follows_the_top_during_initialization,
@@ -40,8 +41,9 @@ def test_a_bad_step_is_the_same_one_error_as_in_the_python_fmu(fmu: Fmu, undistu
     time, step, inputs, text = BAD_STEPS[case]
     instance = started(fmu)
     before = instance.outputs()
-    with pytest.raises(FMICallException):
+    with pytest.raises(FMICallException) as error:
         instance.step(time, step, inputs)
+    assert error.value.status == ERROR
     assert instance.errors == [text]
     assert np.array_equal(instance.outputs(), before)
     assert np.array_equal(instance.run(5, first=5), undisturbed[fmu.path.stem][5:])
@@ -130,8 +132,8 @@ def test_calls_out_of_turn_are_errors(fmu: Fmu, undisturbed: dict[str, np.ndarra
         "top.tension = 3 N: must be left alone: it is calculated. Set inputs and parameters only.",
         "effects.active = 'all': must be left alone: it is calculated. Set inputs and parameters only.",
         "instance = 'running': must be new. Reset it first.",
-        "value reference = 12345: must be of a Real. Use the references of modelDescription.xml.",
-        f"value reference = {fmu.references['solver.nodes']}: must be of a Real. Use the references of modelDescription.xml.",
+        f"value reference = 12345: must be below {len(fmu.references)}. Use the references of modelDescription.xml.",
+        "solver.nodes as Real: must be got and set as Integer. Use the types of modelDescription.xml.",
     ]
     recovers(instance, undisturbed[fmu.path.stem])
 
