@@ -11,6 +11,7 @@ import hashlib
 import importlib
 import importlib.util
 import io
+import os
 import pprint
 import re
 import sys
@@ -36,7 +37,7 @@ from fmu_src import trial
 from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
 from fmu_src.launcher import build as launcher
-from fmu_src.model_description import osp_description
+from fmu_src.model_description import epoch_of, osp_description
 from fmu_src.native import build as native_build
 from fmu_src.native.build import IDENTIFIERS
 from fmu_src.vendoring import Vendored, vendor
@@ -215,11 +216,14 @@ def main(
         bool | None, typer.Option(help="also build native FMUs, into the folder native/ beside; default: only where no scene is baked in")
     ] = None,
     precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
+    date: Annotated[str, typer.Option(help="date and time that the FMUs carry, as 2026-05-31T12:00:00Z, or now; default: 1980")] = "",
     simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
+        if date:
+            os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         made: list[Path] = []
         if scene:
             baked = load_scene(scene)

@@ -346,6 +346,22 @@ def test_staging_finds_the_same_content_again(tmp_path: Path, monkeypatch: pytes
     assert staging.staged(one) != staging.staged(two)
 
 
+def test_a_damaged_staged_file_is_laid_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    package = vendored(tmp_path / "a")
+    lasting = staging.staged(package)
+    for damage in (
+        lambda: (lasting / "__init__.py").write_text("VALUE = 5\n"),
+        lambda: (lasting / "__init__.py").unlink(),
+        lambda: (lasting / "strange.py").write_text(""),
+    ):
+        damage()
+        assert staging.staged(package) == lasting
+        assert [path.name for path in lasting.iterdir()] == ["__init__.py"]
+        assert (lasting / "__init__.py").read_text() == "VALUE = 3\n"
+    assert [path.name for path in lasting.parents[1].iterdir()] == [lasting.parent.name]
+
+
 def test_staging_falls_back_where_nothing_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))

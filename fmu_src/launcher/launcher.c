@@ -191,6 +191,25 @@ static int no_python(const Log *log) /* 0: there is one, and it can run the slav
     return 0;
 }
 
+static void (*end_python)(void);
+
+static void at_exit(void) { end_python(); }
+
+/* Where pythonfmu's wrapper is going to start Python itself: it stays until the host ends, for numpy cannot be started twice in a
+   process; and it ends before the wrapper, which otherwise ends it twice, comes to do so. */
+static void start_no_second_python(void *library)
+{
+    void *running = dlsym(RTLD_DEFAULT, "Py_IsInitialized"), *end = library ? dlsym(library, "finalizePythonInterpreter") : NULL;
+    int (*is_running)(void);
+    Dl_info here = {0};
+    memcpy(&is_running, &running, sizeof running);
+    if (!running || is_running() || !end || !dladdr((void *)at_exit, &here))
+        return;
+    memcpy(&end_python, &end, sizeof end);
+    dlopen(here.dli_fname, RTLD_NOW | RTLD_NODELETE);
+    atexit(at_exit);
+}
+
 static int not_loaded(const Log *log) /* 0: pythonfmu's library is at hand */
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
@@ -202,6 +221,7 @@ static int not_loaded(const Log *log) /* 0: pythonfmu's library is at hand */
         int missing = !library;
         if (!library)
             say(log, fmi2Error, "%s: must be loadable (%s). Unzip the FMU again.", INNER_LIBRARY, dlerror());
+        start_no_second_python(library);
 #define FOUND(Call)                                                             \
     {                                                                           \
         void *symbol = library ? dlsym(library, "fmi2" #Call) : NULL;           \
@@ -217,7 +237,7 @@ static int not_loaded(const Log *log) /* 0: pythonfmu's library is at hand */
 
 __attribute__((destructor)) static void unload(void)
 {
-    if (python.library)
+    if (python.library && !end_python)
         dlclose(python.library);
 }
 
