@@ -11,6 +11,7 @@ import hashlib
 import importlib
 import importlib.util
 import io
+import os
 import pprint
 import re
 import sys
@@ -35,7 +36,8 @@ from cable_model.scene import Scene
 from fmu_src import trial
 from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene
-from fmu_src.model_description import osp_description
+from fmu_src.launcher import build as launcher
+from fmu_src.model_description import epoch_of, osp_description
 from fmu_src.native import build as native_build
 from fmu_src.native.build import IDENTIFIERS
 from fmu_src.vendoring import Vendored, vendor
@@ -47,25 +49,39 @@ _MODULES = ("fmu_src.slave",)
 
 _SCRIPT = '''"""The slave of this FMU, written by build_fmu.py."""
 
-import importlib
-from pathlib import Path
+import sys
 
-import {staging} as staging
-from pythonfmu import Fmi2Slave  # pythonfmu looks for it here
+if sys.version_info < (3, 11):
+    what = "must be 3.11 or newer. Run the host with such a Python, or use the native FMU."
+    raise ImportError("Python = %d.%d: %s" % (*sys.version_info[:2], what))
+if locals() is globals():
+    import importlib
+    from pathlib import Path
 
-staging.load("{kernels}", Path(__file__).parent)
-staging.load("{package}", Path(__file__).parent)
-importlib.import_module("{package}.fmu_src.wrapper").keep(globals())  # this is given back once too often at every instantiation
-CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
-precompiled = importlib.import_module("{package}.fmu_src.precompiled")
+    try:
+        import {staging} as staging
+        from pythonfmu import Fmi2Slave  # pythonfmu looks for it here
 
+        staging.load("{kernels}", Path(__file__).parent)
+        staging.load("{package}", Path(__file__).parent)
+        wrapper = importlib.import_module("{package}.fmu_src.wrapper")
+        CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
+        precompiled = importlib.import_module("{package}.fmu_src.precompiled")
+    except ModuleNotFoundError as error:
+        what = "Install what resources/requirements.txt lists, or use the native FMU."
+        raise ImportError("%s: must be installed where this FMU runs. %s" % (error.name, what)) from error
 
-class {identifier}(CableSlave):
-    object_code = {object_code}
-    model_key = "{model}"
-    build_guid = "{guid}"
-    tool = "{tool}"
-    scene_values = {values}
+    class {identifier}(CableSlave):
+        object_code = {object_code}
+        model_key = "{model}"
+        build_guid = "{guid}"
+        tool = "{tool}"
+        scene_values = {values}
+
+    seen = wrapper.stand_in()
+else:  # pythonfmu runs the text of the imported file again at every instantiation, and looks at the classes that this makes
+    wrapper.keep(globals())  # which are given back once too often then
+    {identifier} = seen
 '''
 
 
@@ -103,11 +119,13 @@ def _xml(root: Element) -> bytes:
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8") + b"\n"
 
 
-def _pack(source: Path, extra: dict[str, bytes], to: Path) -> None:
-    """Write an archive again: sorted, one date, no machine's traces; the folder appears with the file."""
+def _unpacked(source: Path) -> dict[str, bytes]:
     with zipfile.ZipFile(source) as archive:
-        entries = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
-    entries |= extra
+        return {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
+
+
+def _pack(entries: dict[str, bytes], to: Path) -> None:
+    """Write an archive: sorted, one date, no machine's traces; the folder appears with the file."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(entries, key=lambda name: (name != "modelDescription.xml", name)):
@@ -138,8 +156,8 @@ def _object_code(model: str, scene: Scene) -> tuple[bytes, Sequence[Variant]]:
 
 def _write_resources(
     folder: Path, vendored: Vendored, identifier: str, model: str, scene: Scene, root: Path, code: bytes, variants: Sequence[Variant]
-) -> Path:
-    """Everything that lies beside the slave's script, and the script."""
+) -> tuple[Path, str]:
+    """Everything that lies beside the slave's script, and the script and the FMU's GUID."""
     for name, content in vendored.files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -153,16 +171,16 @@ def _write_resources(
     if code:
         (folder / "kernels.o").write_bytes(code)
         listed = pprint.pformat([dict(variant) for variant in variants], sort_dicts=False, width=120)
-        digest = hashlib.sha256(code + listed.encode()).hexdigest()
+        digest = hashlib.sha256(code).hexdigest()
         shipped = f'precompiled.shared("{digest}", Path(__file__).parent / "kernels.o", {listed})'
-    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__, shipped)
+    guid = _guid(identifier, model, values, vendored.package, staging_name, pythonfmu.__version__, shipped, launcher.sources())
     text = _SCRIPT.format(
         staging=staging_name, kernels=vendored.kernels, package=vendored.package, identifier=identifier, model=model,
         guid=guid, tool=f"cable_fmu {__version__} with PythonFMU {pythonfmu.__version__}", values=values, object_code=shipped,
     )  # fmt: skip
     script = folder / f"slave_{guid[1:14].replace('-', '')}.py"
     script.write_text(text, encoding="utf-8")
-    return script
+    return script, guid
 
 
 def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: bool = True) -> Path:
@@ -176,13 +194,16 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
         folder.mkdir()
         vendored = vendor(root, _MODULES)
         ours = precompile and vendored.kernels == vendor(HERE, _MODULES).kernels  # else the object code would be of other kernels
-        script = _write_resources(folder, vendored, identifier, model, scene, root, *(_object_code(model, scene) if ours else (b"", ())))
+        script, guid = _write_resources(
+            folder, vendored, identifier, model, scene, root, *(_object_code(model, scene) if ours else (b"", ()))
+        )
         others = [path for path in folder.iterdir() if path != script]
         made = FmuBuilder.build_FMU(
             script, dest=Path(name) / f"{identifier}.fmu", project_files=others,
             needsExecutionTool=False, canGetAndSetFMUstate=True, canSerializeFMUstate=True,
         )  # fmt: skip
-        _pack(made, {"resources/OspModelDescription.xml": _xml(osp_description())}, to)
+        entries = launcher.before_pythonfmu(_unpacked(made), identifier, guid)
+        _pack(entries | {"resources/OspModelDescription.xml": _xml(osp_description())}, to)
     to.with_name(f"{to.stem}_OspModelDescription.xml").write_bytes(_xml(osp_description()))
     return to
 
@@ -195,11 +216,14 @@ def main(
         bool | None, typer.Option(help="also build native FMUs, into the folder native/ beside; default: only where no scene is baked in")
     ] = None,
     precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
+    date: Annotated[str, typer.Option(help="date and time that the FMUs carry, as 2026-05-31T12:00:00Z, or now; default: 1980")] = "",
     simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
 ) -> None:
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
+        if date:
+            os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         made: list[Path] = []
         if scene:
             baked = load_scene(scene)

@@ -112,26 +112,28 @@ _SCENE_NAMES = tuple(dict.fromkeys([scene_name(name) for name in RELEASED] + lis
 _PARAMETERS = tuple(name.replace("waves.", "wave.") for name in _SCENE_NAMES)
 
 _INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}
-_OUTPUT_FACTS = {
-    "top.force_x": ("N", "force of the cable on its attachment, x", 1e3),
-    "top.force_y": ("N", "force of the cable on its attachment, y", 1e3),
-    "top.force_z": ("N", "force of the cable on its attachment, z", 1e3),
-    "top.tension": ("N", "tension at the top", 1e3),
-    "top.declination": ("rad", "angle of the cable's top from straight down", 1.0),
-    "body.x": ("m", "position of the lower end, x", 100.0),
-    "body.y": ("m", "position of the lower end, y", 100.0),
-    "body.z": ("m", "position of the lower end, z", 100.0),
-    "body.vx": ("m/s", "velocity of the lower end, x", 1.0),
-    "body.vy": ("m/s", "velocity of the lower end, y", 1.0),
-    "body.vz": ("m/s", "velocity of the lower end, z", 1.0),
-    "body.tension": ("N", "tension at the lower end", 1e3),
-    "cable.tension_max": ("N", "largest tension along the cable", 1e3),
-    "cable.tension_min": ("N", "smallest tension along the cable", 1e3),
-    "cable.slack_fraction": ("1", "slack share of the cable's length", 1.0),
-    "solver.steps": ("1", "internal steps since initialization", 1e3),
-    "solver.newton_iterations": ("1", "Newton iterations since initialization", 1e3),
-    "solver.rejected_steps": ("1", "internal steps that were repeated", 10.0),
-    CPU_TIME: ("s", "processor time spent in steps", 1.0),
+_PLACES, _SPEEDS, _NONE = INPUTS[:3], INPUTS[3:6], ()
+# of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
+_OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
+    "top.force_x": ("N", "force of the cable on its attachment, x", 1e3, INPUTS),
+    "top.force_y": ("N", "force of the cable on its attachment, y", 1e3, INPUTS),
+    "top.force_z": ("N", "force of the cable on its attachment, z", 1e3, INPUTS),
+    "top.tension": ("N", "tension at the top", 1e3, INPUTS),
+    "top.declination": ("rad", "angle of the cable's top from straight down", 1.0, _PLACES),
+    "body.x": ("m", "position of the lower end, x", 100.0, _PLACES),
+    "body.y": ("m", "position of the lower end, y", 100.0, _PLACES),
+    "body.z": ("m", "position of the lower end, z", 100.0, _PLACES),
+    "body.vx": ("m/s", "velocity of the lower end, x", 1.0, _SPEEDS),
+    "body.vy": ("m/s", "velocity of the lower end, y", 1.0, _SPEEDS),
+    "body.vz": ("m/s", "velocity of the lower end, z", 1.0, _SPEEDS),
+    "body.tension": ("N", "tension at the lower end", 1e3, INPUTS),
+    "cable.tension_max": ("N", "largest tension along the cable", 1e3, INPUTS),
+    "cable.tension_min": ("N", "smallest tension along the cable", 1e3, INPUTS),
+    "cable.slack_fraction": ("1", "slack share of the cable's length", 1.0, _PLACES),
+    "solver.steps": ("1", "internal steps since initialization", 1e3, _NONE),
+    "solver.newton_iterations": ("1", "Newton iterations since initialization", 1e3, _NONE),
+    "solver.rejected_steps": ("1", "internal steps that were repeated", 10.0, _NONE),
+    CPU_TIME: ("s", "processor time spent in steps", 1.0, _NONE),
 }
 
 
@@ -141,7 +143,8 @@ class Variable:
 
     `kind` is the FMI type: "Real", "Integer", "Boolean" or "String".  `minimum_excluded` says that `minimum` itself is refused; with a
     `gap`, so is what lies between 0 and it.
-    A parameter with `choices` is a text in scenes; its Integer is the place of the text.
+    A parameter with `choices` is a text in scenes; its Integer is the place of the text.  `starts_from`: the inputs that an output's value
+    at the end of initialization depends on, beside all parameters; none: it depends on nothing.
     """
 
     name: str
@@ -158,6 +161,7 @@ class Variable:
     nominal: float | None = None
     scene_name: str = ""
     choices: tuple[str, ...] = ()
+    starts_from: tuple[str, ...] = ()
 
 
 def _inputs(scene: Scene) -> list[Variable]:
@@ -174,8 +178,8 @@ def _inputs(scene: Scene) -> list[Variable]:
 def _outputs() -> list[Variable]:
     rows = []
     for name in (*OUTPUTS, CPU_TIME):
-        unit, text, nominal = _OUTPUT_FACTS[name]
-        rows.append(Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal))
+        unit, text, nominal, starts_from = _OUTPUT_FACTS[name]
+        rows.append(Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal, starts_from=starts_from))
     return rows
 
 

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import datetime
+import math
 import os
 import re
+import sys
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from cable_model import __version__
+from cable_model.errors import refuse
 from cable_model.scene import Scene
 from fmu_src.interface import Variable
 
+AUTHOR = "The cable-fmu contributors"
+DISPLAYED = {"rad": ("deg", math.degrees(1.0))}  # what people read instead of a unit, and how many of it that is
+FIXED_STEP_TOLERANCE = 1e-3  # of the default experiment where solver.tolerance is 0: FMI wants one above it
 _DERIVED = {"1": {}, "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}}
 
 
@@ -38,6 +44,18 @@ _INITIAL = {"input": None, "output": "calculated", "local": "calculated", "param
 _OSP_NAMESPACE = "https://open-simulation-platform.com/OspModelDescription/1.0.0"
 
 
+def epoch_of(date: str) -> int:
+    """SOURCE_DATE_EPOCH of a date as in ISO 8601, in UTC where it names no zone, or of "now".  Raises ParameterError."""
+    try:
+        moment = datetime.datetime.now(datetime.UTC) if date == "now" else datetime.datetime.fromisoformat(date)
+    except ValueError:
+        moment = datetime.datetime(1, 1, 1)
+    moment = moment if moment.tzinfo else moment.replace(tzinfo=datetime.UTC)
+    if not 1980 <= moment.year < 2100:
+        raise refuse("date", date, "", "a date from 1980 to 2099 as in 2026-05-31 or 2026-05-31T12:00:00Z, or 'now'", "Write it so.")
+    return int(moment.timestamp())
+
+
 def generation_date() -> str:
     """SOURCE_DATE_EPOCH, or the first date that a zip archive can hold: the same input gives the same bytes."""
     seconds = int(os.environ.get("SOURCE_DATE_EPOCH", "315532800"))
@@ -49,6 +67,13 @@ def text(value: float | int | bool) -> str:
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
+def least(row: Variable) -> float | int | None:
+    """The least value that a variable takes: FMI's min is a bound that is reached.  Above 0: the smallest number that is not denormal."""
+    if row.minimum is None or not row.minimum_excluded:
+        return row.minimum
+    return sys.float_info.min if row.minimum == 0.0 else math.nextafter(row.minimum, math.inf)
+
+
 def _scalar_variable(reference: int, row: Variable) -> Element:
     facts = {"name": row.name, "valueReference": str(reference), "description": row.description}
     facts |= {"causality": row.causality, "variability": row.variability}
@@ -58,7 +83,9 @@ def _scalar_variable(reference: int, row: Variable) -> Element:
     kind = SubElement(element, row.kind)
     if row.unit:
         kind.set("unit", row.unit)
-    for attribute, value in (("min", row.minimum), ("max", row.maximum), ("nominal", row.nominal), ("start", row.start)):
+    if row.unit in DISPLAYED:
+        kind.set("displayUnit", DISPLAYED[row.unit][0])
+    for attribute, value in (("min", least(row)), ("max", row.maximum), ("nominal", row.nominal), ("start", row.start)):
         if value is not None:
             kind.set(attribute, text(value))
     return element
@@ -67,18 +94,25 @@ def _scalar_variable(reference: int, row: Variable) -> Element:
 def _unit_definitions(rows: Sequence[Variable]) -> Element:
     definitions = Element("UnitDefinitions")
     for unit in sorted({row.unit for row in rows if row.unit}):
-        SubElement(SubElement(definitions, "Unit", name=unit), "BaseUnit", {base: str(power) for base, power in base_units(unit).items()})
+        element = SubElement(definitions, "Unit", name=unit)
+        SubElement(element, "BaseUnit", {base: str(power) for base, power in base_units(unit).items()})
+        if unit in DISPLAYED:
+            name, factor = DISPLAYED[unit]
+            SubElement(element, "DisplayUnit", name=name, factor=text(factor))
     return definitions
 
 
 def _structure(rows: Sequence[Variable]) -> Element:
-    """Outputs depend on the state alone.  Before initialization ends, they depend on what was set before it began."""
+    """Outputs after a step depend on the state alone; while initialization lasts, on inputs and parameters."""
     structure = Element("ModelStructure")
-    for name in ("Outputs", "InitialUnknowns"):
-        unknowns = SubElement(structure, name)
-        for index, row in enumerate(rows, start=1):
-            if row.causality == "output":
-                SubElement(unknowns, "Unknown", index=str(index), dependencies="")
+    outputs, initial = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    parameters = [index for index, row in enumerate(rows, start=1) if row.causality == "parameter"]
+    for index, row in enumerate(rows, start=1):
+        if row.causality == "output":
+            SubElement(outputs, "Unknown", index=str(index), dependencies="")
+            inputs = [place for place, known in enumerate(rows, start=1) if known.name in row.starts_from]
+            known = inputs + parameters if inputs else []
+            SubElement(initial, "Unknown", index=str(index), dependencies=" ".join(map(str, known)))
     return structure
 
 
@@ -86,7 +120,7 @@ def model_description(identifier: str, guid: str, rows: Sequence[Variable], scen
     """modelDescription.xml of an FMI 2.0 co-simulation FMU with the interface `rows` and the default experiment of `scene`."""
     root = Element(
         "fmiModelDescription",
-        fmiVersion="2.0", modelName=identifier, guid=guid, description=description, version=__version__, license="MIT",
+        fmiVersion="2.0", modelName=identifier, guid=guid, description=description, author=AUTHOR, version=__version__, license="MIT",
         generationTool=tool, generationDateAndTime=generation_date(), variableNamingConvention="structured",
     )  # fmt: skip
     SubElement(
@@ -99,7 +133,11 @@ def model_description(identifier: str, guid: str, rows: Sequence[Variable], scen
     categories = SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=meaning)
-    SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=text(scene.run.duration), stepSize=text(scene.run.output_step))
+    SubElement(
+        root, "DefaultExperiment",
+        startTime="0.0", stopTime=text(scene.run.duration), tolerance=text(scene.solver.tolerance or FIXED_STEP_TOLERANCE),
+        stepSize=text(scene.run.output_step),
+    )  # fmt: skip
     variables = SubElement(root, "ModelVariables")
     for reference, row in enumerate(rows):
         variables.append(_scalar_variable(reference, row))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import hashlib
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -30,8 +31,10 @@ _NO_WAVES = np.zeros((0, 6))
 class ObjectCode:
     """Object code with the entries kernel_0, kernel_1, ... of some variants.  It is loaded once, when the first model asks for it."""
 
-    def __init__(self, code: bytes = b"", variants: Sequence[Variant] = ()) -> None:
+    def __init__(self, code: bytes = b"", variants: Sequence[Variant] = (), digest: str = "") -> None:
+        """`digest` (SHA-256): of the code that may run; none: of any."""
         self._code, self._variants = code, variants
+        self.changed = bool(digest) and hashlib.sha256(code).hexdigest() != digest
 
     def calls(self, model: Model) -> Calls | None:
         """The calls of a model; None where `refusal` says why not."""
@@ -43,6 +46,8 @@ class ObjectCode:
 
     def refusal(self, model: Model) -> str:
         """Why the object code does not serve a model; "" where it does."""
+        if self.changed:
+            return "the object code is not the one that the FMU was built with"
         if not self._code:
             return "the FMU was built without object code"
         if model.scene.lower_end.released or not any(serves(variant, model.parts) for variant in self._variants):
@@ -81,11 +86,14 @@ class ObjectCode:
 _shared: dict[str, ObjectCode] = {}
 
 
-def shared(name: str, path: Path, variants: Sequence[Variant]) -> ObjectCode:
-    """The object code in a file, one for all instances: pythonfmu runs an FMU's script again for each.  `name` tells contents apart."""
-    if name not in _shared:
-        _shared[name] = ObjectCode(path.read_bytes(), variants)
-    return _shared[name]
+def shared(digest: str, path: Path, variants: Sequence[Variant]) -> ObjectCode:
+    """The object code in a file, one for all FMUs that have the same; code with another digest than this does not run."""
+    if digest not in _shared:
+        code = ObjectCode(path.read_bytes() if path.is_file() else b"", variants, digest)
+        if code.changed:
+            return code
+        _shared[digest] = code
+    return _shared[digest]
 
 
 def _at(array: np.ndarray) -> int:

@@ -6,7 +6,6 @@ texts as printf formats; `_guarded` and `log` make up for both.
 
 from __future__ import annotations
 
-import enum
 import functools
 import math
 import sys
@@ -25,34 +24,31 @@ from pythonfmu.enums import Fmi2Status
 from cable_model.errors import ParameterError, SolverError, refuse
 from cable_model.model import Model
 from cable_model.models import MODELS
+from cable_model.parameters import field_of
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulated import one_line
 from fmu_src.interface import Variable, scene_from_values, table
 from fmu_src.model_description import model_description
+from fmu_src.order import Experiment, Phase, expect
 from fmu_src.precompiled import ObjectCode
-from fmu_src.state import SavedState, StateError, pack, unpack
-from fmu_src.wrapper import forget_interpreter, keep
+from fmu_src.state import ONLY_OWN, SavedState, StateError, impossible, pack, unpack
+from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, same_text
 
 _FIRST_OUTPUT = len(INPUTS)
 _CPU_TIME = _FIRST_OUTPUT + len(OUTPUTS)
 _EFFECTS = _CPU_TIME + 1
 _FIRST_PARAMETER = _EFFECTS + 1
 _INPUTS = range(_FIRST_OUTPUT)
-
-
-class Phase(enum.IntEnum):
-    """Where FMI's life of an instance is."""
-
-    INSTANTIATED = 0
-    INITIALIZING = 1
-    RUNNING = 2
-    FAILED = 3
-    TERMINATED = 4
+_CATEGORIES = {Fmi2Status.warning: "logStatusWarning", Fmi2Status.error: "logStatusError"}
+_TIMES = len(Experiment().numbers())
 
 
 class CallError(RuntimeError):
-    """What a host is told: the text of any error, safe to be printed as a format."""
+    """What a host is told: the text of any error, safe to be printed as a format; the wrapper shows its representation."""
+
+    def __repr__(self) -> str:
+        return str(self)
 
 
 def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
@@ -88,15 +84,15 @@ class CableSlave(Fmi2Slave):
         super().__init__(**arguments)
         self.modelName = type(self).__name__
         forget_interpreter(self.resources, self.modelName)
+        look_here_once(self.resources)
         self._base = self._baked()
         self._rows = table(self._base)
         self._real = self._starts("Real")
         self._integer = self._starts("Integer")
         self._boolean = self._starts("Boolean")
         self._phase = Phase.INSTANTIATED
-        self._start_time = 0.0
+        self._experiment = Experiment()
         self._inputs = np.zeros(len(INPUTS))
-        self._entered = np.zeros(len(INPUTS))
         self._outdated = True
         self._model: Model | None = None
         self._doubts = 0
@@ -114,7 +110,7 @@ class CableSlave(Fmi2Slave):
         return {vr: 0.0 if row.start is None else row.start for vr, row in enumerate(self._rows) if row.kind == kind}
 
     def log(self, msg: str, status: Fmi2Status = Fmi2Status.ok, category: str | None = None, debug: Any = None) -> None:
-        super().log(str(msg).replace("%", "%%"), status, category)
+        super().log(same_text(str(msg).replace("%", "%%")), status, category or _CATEGORIES.get(status, "logAll"))
 
     def to_xml(self, model_options: Any = None) -> Element:
         description = f"{MODELS[self.model_key].__name__}: cable under a moving top end. {self._base.title}".strip()
@@ -124,19 +120,20 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def setup_experiment(self, start_time: float, stop_time: float | None = None, tolerance: float | None = None) -> None:
-        if not math.isfinite(start_time):
-            raise refuse("start time", float(start_time), "s", "finite", "Give the time at which the simulation starts.")
-        self._start_time = float(start_time)
+        expect(self._phase, (Phase.INSTANTIATED,), "new", "Reset it first.")
+        self._experiment.begin(start_time, stop_time)
 
     @_guarded
     def enter_initialization_mode(self) -> None:
+        expect(self._phase, (Phase.INSTANTIATED,), "new", "Reset it first.")
+        self._experiment.must_be_set_up()
         self._phase = Phase.INITIALIZING
         self._outdated = True
-        self._entered[:] = [self._real[vr] for vr in _INPUTS]
 
     @_guarded
     def exit_initialization_mode(self) -> None:
-        self._initialize(np.array([self._real[vr] for vr in _INPUTS]))
+        expect(self._phase, (Phase.INITIALIZING,), "initializing", "Enter the initialization mode first.")
+        self._preview()
         self._phase = Phase.RUNNING
         self.log(f"{MODELS[self.model_key].__name__} simulates: {self._effects()}")
         self._tell_doubts()
@@ -145,20 +142,22 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def do_step(self, current_time: float, step_size: float) -> bool:
-        if self._model is None or self._phase is not Phase.RUNNING:
-            raise refuse("instance", self._phase.name.lower(), "", "initialized and running", "Initialize, reset or restore it first.")
+        expect(self._phase, (Phase.RUNNING,), "initialized and running", "Initialize, reset or restore it first.")
         if not math.isfinite(current_time):
             raise refuse("communication point", float(current_time), "s", "finite", "Give the time at which the step begins.")
         begun = clock.thread_time()
         self._inputs[:] = [self._real[vr] for vr in _INPUTS]
+        model = self._initialized
+        self._experiment.check(current_time, Model._positive(step_size))
         try:
-            self._model.step(current_time, step_size, self._inputs)
+            model.step(current_time, step_size, self._inputs)
         except SolverError:
             self._phase = Phase.FAILED
             raise
-        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), self._model.outputs.tolist(), strict=True))
+        self._experiment.last = current_time + step_size
+        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
         self._real[_CPU_TIME] += clock.thread_time() - begun
-        if self._model.doubts > self._doubts:
+        if model.doubts > self._doubts:
             self._tell_doubts()
         return True
 
@@ -174,17 +173,35 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def terminate(self) -> None:
+        expect(self._phase, (Phase.RUNNING, Phase.FAILED), "initialized and not terminated", "Reset it or free it instead.")
         self._phase = Phase.TERMINATED
 
-    def _initialize(self, inputs: np.ndarray) -> None:
+    @property
+    def _initialized(self) -> Model:
+        """The model, which is there from initialization on."""
+        assert self._model is not None
+        return self._model
+
+    def _preview(self) -> None:
+        """While initialization lasts, outputs are those of the equilibrium under the values that are set by then."""
+        if self._phase is not Phase.INITIALIZING or not self._outdated:
+            return
+        self._model = None
         model = self._made(self._parameters())
-        model.initialize(inputs, self._start_time)
+        model.initialize(np.array([self._real[vr] for vr in _INPUTS]), self._experiment.start)
         self._model = model
         self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
         self._outdated = False
 
     def _made(self, parameters: dict[str, float | int | bool]) -> Model:
-        return MODELS[self.model_key](scene_from_values(self._base, parameters, self.model_key), self.object_code.calls)
+        scene = scene_from_values(self._base, parameters, self.model_key)
+        try:
+            return MODELS[self.model_key](scene, self.object_code.calls)
+        except ImportError as error:
+            text = (
+                f"{error.name or 'numba'}: must be installed where this FMU runs ({error}). Install what resources/requirements.txt lists, "
+            )
+            raise ParameterError(f"{text}or use the native FMU.") from error
 
     def _parameters(self) -> dict[str, float | int | bool]:
         known = {**self._real, **self._integer, **self._boolean}
@@ -195,33 +212,48 @@ class CableSlave(Fmi2Slave):
 
     # -- values
 
-    def _preview(self) -> None:
-        """Outputs while initialization lasts: the equilibrium under the inputs from before it, so that they depend on no input."""
-        if self._phase is Phase.INITIALIZING and self._outdated:
-            self._initialize(self._entered)
+    def _known(self, vr: int, kind: str) -> Variable:
+        if not 0 <= vr < len(self._rows):
+            raise refuse("value reference", vr % 2**32, "", f"below {len(self._rows)}", "Use the references of modelDescription.xml.")
+        row = self._rows[vr]
+        if row.kind != kind:
+            own = f"must be got and set as {row.kind}. Use the types of modelDescription.xml."
+            raise ParameterError(f"{row.name} as {kind}: {own}")
+        return row
 
-    def _known(self, values: dict[int, Any], vr: int, kind: str) -> Variable:
-        if vr not in values:
-            raise refuse("value reference", vr, "", f"of a {kind}", "Use the references of modelDescription.xml.")
-        return self._rows[vr]
+    def _may_get(self, vr: int, kind: str) -> None:
+        row = self._known(vr, kind)
+        if self._phase is Phase.INSTANTIATED and row.causality in ("output", "local"):
+            late = "must be asked for after initialization has begun. Enter the initialization mode first."
+            raise ParameterError(f"{row.name}: {late}")
+
+    def _may_set(self, vr: int, kind: str, value: Any) -> None:
+        row = self._known(vr, kind)
+        shown = float(value) if kind == "Real" else value
+        if row.causality == "parameter" and self._phase > Phase.INITIALIZING:
+            unit = "" if row.choices or kind == "Boolean" else field_of(row.scene_name).metadata["unit"]
+            raise refuse(row.scene_name, shown, unit, "set before the end of initialization", "Reset the FMU first.")
+        if row.causality not in ("parameter", "input"):
+            raise refuse(row.name, shown, row.unit, "left alone: it is calculated", "Set inputs and parameters only.")
+        if self._phase is Phase.TERMINATED:
+            raise refuse(row.name, shown, row.unit, "set before the end of the simulation", "Reset the FMU first.")
+        if kind == "Real" and not math.isfinite(value):
+            if row.causality == "input":
+                Model._finite(np.where(np.arange(len(INPUTS)) == vr, value, 0.0))
+            scene_from_values(self._base, {row.name: value}, self.model_key)
 
     def _get(self, values: dict[int, Any], kind: str, vrs: Sequence[int]) -> list[Any]:
-        self._preview()
         for vr in vrs:
-            self._known(values, vr, kind)
+            self._may_get(vr, kind)
+        self._preview()
         return [values[vr] for vr in vrs]
 
     def _set(self, values: dict[int, Any], kind: str, vrs: Sequence[int], new: Sequence[Any]) -> None:
+        """All of them or none."""
         for vr, value in zip(vrs, new, strict=True):
-            row = self._known(values, vr, kind)
-            shown = float(value) if kind == "Real" else value
-            if row.causality == "parameter":
-                if self._phase > Phase.INITIALIZING:
-                    raise refuse(row.name, shown, row.unit, "set before the end of initialization", "Reset the FMU first.")
-                self._outdated = True
-            elif row.causality != "input":
-                raise refuse(row.name, shown, row.unit, "left alone: it is calculated", "Set inputs and parameters only.")
-            values[vr] = value
+            self._may_set(vr, kind, value)
+        values.update(zip(vrs, new, strict=True))
+        self._outdated = True
 
     @_guarded
     def get_real(self, vrs: Sequence[int]) -> list[float]:
@@ -235,12 +267,11 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        known = self._real
-        for vr, value in zip(vrs, values, strict=True):
-            if vr in _INPUTS:
-                known[vr] = value
-            else:
-                self._set(known, "Real", (vr,), (value,))
+        if vrs and min(vrs) >= 0 and max(vrs) < _FIRST_OUTPUT and self._phase < Phase.TERMINATED and math.isfinite(sum(values)):
+            self._real.update(zip(vrs, values, strict=True))
+            self._outdated = True
+        else:
+            self._set(self._real, "Real", vrs, values)
 
     @_guarded
     def get_integer(self, vrs: Sequence[int]) -> list[int]:
@@ -260,8 +291,10 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def get_string(self, vrs: Sequence[int]) -> list[str]:
+        for vr in vrs:
+            self._may_get(vr, "String")
         self._preview()
-        return self._get({_EFFECTS: self._effects()}, "String", vrs)
+        return [self._effects() for _ in vrs]
 
     @_guarded
     def set_string(self, vrs: Sequence[int], values: Sequence[str]) -> None:
@@ -276,26 +309,19 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def _get_fmu_state(self) -> bytes:
         parameters = np.array([float(value) for value in self._parameters().values()])
-        numbers = np.array([self._start_time, *self._entered, *(self._real[vr] for vr in range(_EFFECTS))])
+        numbers = np.array([*self._experiment.numbers(), *(self._real[vr] for vr in range(_EFFECTS))])
         model = np.zeros(0) if self._model is None else self._model.state
         return pack(SavedState(self._phase, numbers, parameters, model), self._build())
 
     @_guarded
     def _set_fmu_state(self, state: bytes) -> None:
-        saved = unpack(state, self._build())
+        saved = self._checked(state)
         values = dict(zip(range(_FIRST_PARAMETER, len(self._rows)), saved.parameters.tolist(), strict=True))
         kept = {kind: self._of_kind(values, kind) for kind in ("Real", "Integer", "Boolean")}
-        model = None
-        if len(saved.model):
-            named = {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()}
-            model = self._model
-            if model is None or named != self._parameters():
-                model = self._made(named)
-            model.state[:] = saved.model
-        start, entered, reals = np.split(saved.numbers, [1, 1 + len(INPUTS)])
+        model = self._restored(saved, {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()})
+        times, reals = np.split(saved.numbers, [_TIMES])
         self._phase = Phase(saved.phase)
-        self._start_time = float(start[0])
-        self._entered[:] = entered
+        self._experiment = Experiment.from_numbers(times.tolist())
         self._outdated = True
         self._real |= dict(enumerate(reals.tolist())) | kept["Real"]
         self._integer |= kept["Integer"]
@@ -303,9 +329,47 @@ class CableSlave(Fmi2Slave):
         self._model = model
         self._doubts = 0 if model is None else model.doubts
 
+    def _restored(self, saved: SavedState, parameters: dict[str, float | int | bool]) -> Model | None:
+        """The model of a saved state; this instance stays as it is where the state is refused."""
+        if not len(saved.model):
+            return None
+        size = f"saved state = {len(saved.model)} numbers: must be those of its own parameters. {ONLY_OWN}"
+        model = self._model
+        try:
+            if model is None or parameters != self._parameters():
+                model = self._made(parameters)
+        except ParameterError as error:
+            raise StateError(f"{size} {error}") from error
+        if len(model.state) != len(saved.model):
+            raise StateError(size)
+        model.state[:] = saved.model
+        return model
+
     def _of_kind(self, values: dict[int, float], kind: str) -> dict[int, Any]:
         python = {"Real": float, "Integer": int, "Boolean": bool}[kind]
         return {vr: python(value) for vr, value in values.items() if self._rows[vr].kind == kind}
+
+    @classmethod
+    def _checked(cls, data: bytes) -> SavedState:
+        """A state from bytes, checked whole.  Raises StateError."""
+        saved = unpack(data, cls._build())
+        rows = table(cls._baked())
+        if (len(saved.numbers), len(saved.parameters)) != (_TIMES + _EFFECTS, len(rows) - _FIRST_PARAMETER):
+            raise impossible("size")
+        if saved.phase not in list(Phase) or (saved.phase > Phase.INITIALIZING and not len(saved.model)):
+            raise impossible("phase")
+        try:
+            Experiment.from_numbers(saved.numbers[:_TIMES].tolist())
+        except ValueError:
+            raise impossible("time") from None
+        variables = [*rows[:_EFFECTS], *rows[_FIRST_PARAMETER:]]
+        for row, value in zip(variables, [*saved.numbers[_TIMES:].tolist(), *saved.parameters.tolist()], strict=True):
+            whole = math.isfinite(value) and (row.kind == "Real" or (value.is_integer() and abs(value) < 2.0**31))
+            if not whole or (row.kind == "Boolean" and value not in (0.0, 1.0)):
+                raise impossible(row.name)
+        if not np.isfinite(saved.model).all():
+            raise impossible("cable")
+        return saved
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:
@@ -314,11 +378,12 @@ class CableSlave(Fmi2Slave):
     @classmethod
     def _fmu_state_from_bytes(cls, data: bytes) -> bytes:
         try:
-            unpack(data, cls._build())
+            cls._checked(data)
         except StateError as error:
             sys.stderr.write(traceback.format_exc() + "\n")
             for instance in cls._alive:  # the wrapper does not say whose call this is
                 if type(instance) is cls:
                     keep(instance, cls, instance.log_queue)
+            release(data)
             raise CallError(str(error)) from None
         return data

@@ -23,42 +23,45 @@ def _key(folder: Path) -> str:
     return digest.hexdigest()[:20]
 
 
+def _sources(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*.py")}
+
+
 def _copy(folder: Path, to: Path) -> None:
-    """Copy the Python files; the folder appears complete or not at all."""
+    """Copy the Python files, in place of what is there; the folder appears complete or not at all."""
     to.parent.mkdir(parents=True, exist_ok=True)
     made = Path(tempfile.mkdtemp(dir=to.parent, prefix="new-"))
     try:
-        shutil.copytree(folder, made / folder.name, ignore=shutil.ignore_patterns("__pycache__"))
-        for path in (made / folder.name).rglob("*.py"):
+        shutil.copytree(folder, made / "new" / folder.name, ignore=shutil.ignore_patterns("__pycache__"))
+        for path in (made / "new" / folder.name).rglob("*.py"):
             os.utime(path, (_ANY_TIME, _ANY_TIME))
-        os.rename(made, to)
+        if to.exists():
+            os.rename(to, made / "old")
+        os.rename(made / "new", to)
     except OSError:
-        shutil.rmtree(made, ignore_errors=True)
-        if not (to / folder.name).is_dir():
+        if not (to / folder.name).is_dir():  # nobody else has laid it meanwhile
             raise
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
 
 
 def staged(folder: Path) -> Path:
-    """A lasting copy of a package's folder in the user's cache; the folder itself where that is read-only."""
+    """A lasting copy of a package's folder in the user's cache, laid anew where it is damaged; the folder itself where there is none."""
     try:
         import platformdirs
 
         to = Path(platformdirs.user_cache_dir("cable_fmu")) / "staged" / _key(folder)
-        if not (to / folder.name).is_dir():
+        if not (to / folder.name).is_dir() or _sources(to / folder.name) != _sources(folder):
             _copy(folder, to)
-        return to / folder.name
+        return to / folder.name if _sources(to / folder.name) == _sources(folder) else folder
     except (OSError, ImportError, RuntimeError):
         return folder
 
 
-def load(package: str, resources: Path) -> ModuleType:
-    """Import a package that lies in the folder `resources`, from its staged copy; its name holds its hash, so it is loaded once."""
-    if package in sys.modules:
-        return sys.modules[package]
-    folder = staged(resources / package)
+def _imported(package: str, folder: Path) -> ModuleType:
     spec = importlib.util.spec_from_file_location(package, folder / "__init__.py", submodule_search_locations=[str(folder)])
     if spec is None or spec.loader is None:
-        raise ImportError(f"{package}: not found in {resources}")
+        raise ImportError(f"{package}: not found in {folder}")
     module = importlib.util.module_from_spec(spec)
     sys.modules[package] = module
     try:
@@ -67,3 +70,10 @@ def load(package: str, resources: Path) -> ModuleType:
         del sys.modules[package]
         raise
     return module
+
+
+def load(package: str, resources: Path) -> ModuleType:
+    """Import a package that lies in the folder `resources`, from its staged copy; its name holds its hash, so it is loaded once."""
+    if package in sys.modules:
+        return sys.modules[package]
+    return _imported(package, staged(resources / package))

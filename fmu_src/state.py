@@ -9,13 +9,19 @@ from dataclasses import dataclass
 import numpy as np
 
 _MAGIC = b"CABLEFMU"
-_VERSION = 1
+_VERSION = 2
 _HEAD = struct.Struct("<8sI16sIIII")  # magic, version, build, phase, fixed numbers, parameters, model state
 _CHECK = struct.Struct("<I")
+ONLY_OWN = "Restore only what the same FMU has saved."
 
 
 class StateError(ValueError):
     """Bytes that are no state of this FMU; the text says why."""
+
+
+def impossible(part: str) -> StateError:
+    """The error of a state whose part no instance can be in."""
+    return StateError(f"saved state of {part!r}: must be one that this FMU can be in. {ONLY_OWN}")
 
 
 @dataclass(frozen=True)
@@ -38,21 +44,20 @@ def pack(saved: SavedState, build: bytes) -> bytes:
 
 def unpack(data: bytes, build: bytes) -> SavedState:
     """The state from bytes.  Raises StateError where they are cut, changed, or of another FMU or version."""
-    advice = "Restore only what the same FMU has saved."
     if not isinstance(data, bytes) or data[: len(_MAGIC)] != _MAGIC:
-        raise StateError(f"saved state: must begin with {_MAGIC.decode()}. {advice}")
+        raise StateError(f"saved state: must begin with {_MAGIC.decode()}. {ONLY_OWN}")
     if len(data) < _HEAD.size + _CHECK.size:
-        raise StateError(f"saved state = {len(data)} bytes: must be at least {_HEAD.size + _CHECK.size}. {advice}")
+        raise StateError(f"saved state = {len(data)} bytes: must be at least {_HEAD.size + _CHECK.size}. {ONLY_OWN}")
     _, version, owner, phase, *lengths = _HEAD.unpack_from(data)
     if version != _VERSION:
-        raise StateError(f"saved state version = {version}: must be {_VERSION}. {advice}")
+        raise StateError(f"saved state version = {version}: must be {_VERSION}. {ONLY_OWN}")
     expected = _HEAD.size + 8 * sum(lengths) + _CHECK.size
     if len(data) != expected:
-        raise StateError(f"saved state = {len(data)} bytes: must be {expected}. {advice}")
+        raise StateError(f"saved state = {len(data)} bytes: must be {expected}. {ONLY_OWN}")
     if _CHECK.unpack_from(data, expected - _CHECK.size)[0] != zlib.crc32(data[: -_CHECK.size]):
-        raise StateError(f"saved state: must have its checksum. It was changed; {advice[0].lower()}{advice[1:]}")
+        raise StateError(f"saved state: must have its checksum. It was changed; {ONLY_OWN[0].lower()}{ONLY_OWN[1:]}")
     if owner != build:
-        raise StateError(f"saved state: must be of this build of the FMU. {advice}")
+        raise StateError(f"saved state: must be of this build of the FMU. {ONLY_OWN}")
     numbers = np.frombuffer(data, dtype="<f8", count=sum(lengths), offset=_HEAD.size).astype(np.float64)
     first, second = lengths[0], lengths[0] + lengths[1]
     return SavedState(phase, numbers[:first], numbers[first:second], numbers[second:])

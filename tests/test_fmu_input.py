@@ -11,7 +11,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, recovers, refused, started, sway, undisturbed_runs
+from fmu_support import ERROR, FMICallException, Fmu, recovers, refused, started, sway, undisturbed_runs
 
 from cable_model.signals import INPUTS
 from fmu_src.interface import generic_scene
@@ -35,6 +35,14 @@ BAD_STEPS = {
     "negative": (5 * STEP, -0.1, sway(5 * STEP), "communication step = -0.1 s: must be finite and > 0. Give a positive step."),
     "nan step": (5 * STEP, math.nan, sway(5 * STEP), "communication step = nan s: must be finite and > 0. Give a positive step."),
     "inf step": (5 * STEP, math.inf, sway(5 * STEP), "communication step = inf s: must be finite and > 0. Give a positive step."),
+    "too late": (
+        6 * STEP, STEP, sway(6 * STEP),
+        "communication point = 0.3 s: must be 0.25 s, where the last step ended. Go on from there, or restore a state.",
+    ),
+    "again": (
+        4 * STEP, STEP, sway(4 * STEP),
+        "communication point = 0.2 s: must be 0.25 s, where the last step ended. Go on from there, or restore a state.",
+    ),
     "nan time": (
         math.nan, STEP, sway(5 * STEP), "communication point = nan s: must be finite. Give the time at which the step begins.",
     ),
@@ -117,8 +125,9 @@ def test_a_bad_step_is_one_error_that_names_the_rule(fmu: Fmu, undisturbed: dict
     time, step, inputs, text = BAD_STEPS[case]
     instance = started(fmu)
     before = instance.outputs()
-    with pytest.raises(FMICallException):
+    with pytest.raises(FMICallException) as error:
         instance.step(time, step, inputs)
+    assert error.value.status == ERROR
     assert instance.errors == [text]
     assert text in capfd.readouterr().err
     assert np.array_equal(instance.outputs(), before)
@@ -208,14 +217,14 @@ def test_unknown_references_and_wrong_types_are_errors_never_numbers(fmu: Fmu, u
     ):
         with pytest.raises(FMICallException):
             call()
-    advice = "Use the references of modelDescription.xml."
+    unknown = f"value reference = 12345: must be below {len(fmu.references)}. Use the references of modelDescription.xml."
     assert instance.errors == [
-        f"value reference = 12345: must be of a Real. {advice}",
-        f"value reference = {nodes}: must be of a Real. {advice}",
-        f"value reference = 12345: must be of a Real. {advice}",
-        f"value reference = {fmu.references['top.x']}: must be of a Integer. {advice}",
-        f"value reference = {nodes}: must be of a Boolean. {advice}",
-        f"value reference = {nodes}: must be of a String. {advice}",
+        unknown,
+        "solver.nodes as Real: must be got and set as Integer. Use the types of modelDescription.xml.",
+        unknown,
+        "top.x as Integer: must be got and set as Real. Use the types of modelDescription.xml.",
+        "solver.nodes as Boolean: must be got and set as Integer. Use the types of modelDescription.xml.",
+        "solver.nodes as String: must be got and set as Integer. Use the types of modelDescription.xml.",
     ]
     recovers(instance, undisturbed[fmu.path.stem])
 
@@ -231,7 +240,7 @@ def test_a_state_that_was_changed_is_refused(fmu: Fmu, undisturbed: dict[str, np
         (b"rubbish", f"saved state: must begin with CABLEFMU. {advice}"),
         (data[:20], f"saved state = 20 bytes: must be at least 48. {advice}"),
         (data[:-8], f"saved state = {len(data) - 8} bytes: must be {len(data)}. {advice}"),
-        (data[:8] + b"\7" + data[9:], f"saved state version = 7: must be 1. {advice}"),
+        (data[:8] + b"\7" + data[9:], f"saved state version = 7: must be 2. {advice}"),
         (data[:-20] + b"\0\1\2\3" + data[-16:], "saved state: must have its checksum. It was changed; restore only what"),
     ):
         with pytest.raises(FMICallException):
@@ -275,7 +284,7 @@ def test_the_host_survives_hundreds_of_errors_and_instances(fmus: dict[str, Fmu]
         sys.path.insert(0, {str(Path(__file__).parent)!r})
         import fmpy
         from pathlib import Path
-        from fmu_support import FMICallException, Fmu, sway
+        from fmu_support import ERROR, FMICallException, Fmu, sway
         fmu = Fmu(Path({str(fmus["chain"].path)!r}), Path({str(Path(fmus["chain"].folder).parent / "host")!r}))
         errors = 0
         for k in range(60):

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from fmu_support import Fmu
@@ -24,7 +25,7 @@ from cable_model.kernels import family
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import EFFECTS, generic_scene, scene_from_values, scene_name, table
-from fmu_src.model_description import base_units
+from fmu_src.model_description import base_units, epoch_of, least
 from fmu_src.vendoring import imported, renamed, vendor
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -190,21 +191,63 @@ def test_the_archive_says_what_the_table_says(fmu: Fmu):
             row.name, reference, row.causality, row.variability,
         )  # fmt: skip
         assert (variable.type, variable.unit or "", variable.description) == (row.kind, row.unit, row.description)
-        for text, number in ((variable.min, row.minimum), (variable.max, row.maximum), (variable.nominal, row.nominal)):
+        for text, number in ((variable.min, least(row)), (variable.max, row.maximum), (variable.nominal, row.nominal)):
             assert (None if text is None else float(text)) == number
         if row.causality in ("input", "parameter"):
             read = {"Real": float, "Integer": int, "Boolean": lambda text: text == "true"}[row.kind]
             assert read(variable.start) == row.start
 
 
-def test_outputs_depend_on_no_input_so_that_no_loop_is_seen(fmu: Fmu):
+def structure_of(fmu: Fmu) -> dict[str, dict[str, set[str]]]:
+    """Of each list of unknowns: the variables that each output depends on."""
     with zipfile.ZipFile(fmu.path) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
-    wanted = [index for index, row in enumerate(table(), start=1) if row.causality == "output"]
-    for name in ("Outputs", "InitialUnknowns"):
-        unknowns = root.findall(f"ModelStructure/{name}/Unknown")
-        assert [int(u.get("index")) for u in unknowns] == wanted
-        assert all(u.get("dependencies") == "" for u in unknowns)
+    names = [row.name for row in table()]
+    return {
+        kind: {
+            names[int(unknown.get("index")) - 1]: {names[int(index) - 1] for index in unknown.get("dependencies").split()}
+            for unknown in root.findall(f"ModelStructure/{kind}/Unknown")
+        }
+        for kind in ("Outputs", "InitialUnknowns")
+    }
+
+
+def test_outputs_after_a_step_depend_on_no_input_so_that_no_loop_is_seen(fmu: Fmu):
+    assert structure_of(fmu)["Outputs"] == {row.name: set() for row in table() if row.causality == "output"}
+
+
+def test_outputs_at_the_start_depend_on_what_changes_them(fmu: Fmu):
+    """Every input and parameter that moves an output, in any of some scenes, is among its dependencies."""
+    told = structure_of(fmu)["InitialUnknowns"]
+    assert list(told) == [row.name for row in table() if row.causality == "output"]
+    key = {"CableChain": "chain", "TowCable": "tow"}[fmu.path.stem]
+    found: dict[str, set[str]] = {name: set() for name in OUTPUTS}
+    start = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1, 0.0])
+    base = {"top.motion_order": 2, "current.speed": 0.5, **({"solver.nodes": 11} if key == "chain" else {})}
+    for scene in ({}, {"solver.space": True}) if key == "tow" else ({"solver.space": True}, {"winch.fitted": True}):
+        plain = instance_outputs(fmu, base | scene, start)
+        for k, name in enumerate(INPUTS):
+            if (key == "tow" and name == "top.vy" and not scene) or (name == "winch.speed" and "winch.fitted" not in scene):
+                continue  # refused
+            moved = instance_outputs(fmu, base | scene, start + 0.3 * np.eye(len(INPUTS))[k])
+            for output in np.array(OUTPUTS)[moved != plain]:
+                found[output].add(name)
+        for name, value in {"cable.length": 90.0, "water.density": 1000.0, "current.speed": 0.6}.items():
+            for output in np.array(OUTPUTS)[instance_outputs(fmu, base | scene | {name: value}, start) != plain]:
+                found[output].add(name)
+    assert {"top.x", "top.z"} <= found["body.x"] | found["body.z"] and "top.vz" in found["top.force_z"]
+    for output in OUTPUTS:
+        assert found[output] <= told[output], output
+    assert told["solver.steps"] == set() and "body.mass" in told["top.tension"]
+
+
+def instance_outputs(fmu: Fmu, values: dict[str, object], inputs: np.ndarray) -> np.ndarray:
+    """Outputs at the end of initialization."""
+    instance = fmu.instance()
+    instance.initialize(values | dict(zip(INPUTS, inputs.tolist(), strict=True)))
+    outputs = instance.outputs()
+    instance.close()
+    return outputs
 
 
 def test_capabilities_and_date_are_as_hosts_need_them(fmu: Fmu):
@@ -218,6 +261,45 @@ def test_capabilities_and_date_are_as_hosts_need_them(fmu: Fmu):
     assert re.fullmatch(r"\{[0-9a-f-]{36}\}", fmu.description.guid)
     units = {unit.name: unit.baseUnit for unit in fmu.description.unitDefinitions}
     assert (units["N"].kg, units["N"].m, units["N"].s) == (1, 1, -2)
+
+
+def test_the_least_value_told_is_one_that_is_taken():
+    """FMI's min is a bound that is reached: where a rule says "above", it is the next number."""
+    base = generic_scene()
+    excluded = [row for row in parameter_rows() if row.minimum_excluded]
+    assert {row.name for row in excluded} >= {"cable.length", "solver.time_step"}
+    for row in excluded:
+        with_values(base, {row.scene_name: least(row)})
+        with pytest.raises(ParameterError, match="must be >"):
+            with_values(base, {row.scene_name: row.minimum})
+    assert all(least(row) == row.minimum for row in table() if not row.minimum_excluded)
+
+
+def test_people_read_degrees_and_the_author(fmu: Fmu):
+    with zipfile.ZipFile(fmu.path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    shown = root.find("UnitDefinitions/Unit[@name='rad']/DisplayUnit")
+    assert shown is not None and shown.get("name") == "deg" and float(shown.get("factor")) == pytest.approx(180.0 / np.pi)
+    angles = {v.get("name") for v in root.iter("ScalarVariable") for real in v if real.get("displayUnit") == "deg"}
+    assert angles == {row.name for row in table() if row.unit == "rad"} and "top.declination" in angles
+    assert root.get("author") == "The cable-fmu contributors"
+    experiment = root.find("DefaultExperiment")
+    assert experiment is not None and experiment.attrib == {
+        "startTime": "0.0",
+        "stopTime": "60.0",
+        "tolerance": "0.001",
+        "stepSize": "0.05",
+    }
+
+
+def test_an_fmu_carries_the_date_that_it_is_given(tmp_path: Path):
+    done = run_script("hanging_chain", "-o", "a.fmu", "--no-precompile", "--date", "2026-05-31T12:00:00+02:00", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert Fmu(tmp_path / "a.fmu", tmp_path / "x").description.generationDateAndTime == "2026-05-31T10:00:00Z"
+    assert epoch_of("2026-05-31") == 1780185600
+    for bad in ("yesterday", "1970-01-01", "2026-13-01"):
+        with pytest.raises(ParameterError, match=f"date = '{bad}': must be a date from 1980 to 2099"):
+            epoch_of(bad)
 
 
 def test_the_port_of_the_osp_description_names_variables_that_exist(fmu: Fmu):

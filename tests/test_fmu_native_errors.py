@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from fmu_support import (
+    ERROR,
     FMICallException,
     Fmu,
-    outputs_wait_for_the_end_of_initialization,
+    a_mooring_follows_the_top_during_initialization,
+    outputs_follow_what_is_set_during_initialization,
     recovers,
     refused,
     started,
@@ -39,8 +41,9 @@ def test_a_bad_step_is_the_same_one_error_as_in_the_python_fmu(fmu: Fmu, undistu
     time, step, inputs, text = BAD_STEPS[case]
     instance = started(fmu)
     before = instance.outputs()
-    with pytest.raises(FMICallException):
+    with pytest.raises(FMICallException) as error:
         instance.step(time, step, inputs)
+    assert error.value.status == ERROR
     assert instance.errors == [text]
     assert np.array_equal(instance.outputs(), before)
     assert np.array_equal(instance.run(5, first=5), undisturbed[fmu.path.stem][5:])
@@ -129,14 +132,18 @@ def test_calls_out_of_turn_are_errors(fmu: Fmu, undisturbed: dict[str, np.ndarra
         "top.tension = 3 N: must be left alone: it is calculated. Set inputs and parameters only.",
         "effects.active = 'all': must be left alone: it is calculated. Set inputs and parameters only.",
         "instance = 'running': must be new. Reset it first.",
-        "value reference = 12345: must be of a Real. Use the references of modelDescription.xml.",
-        f"value reference = {fmu.references['solver.nodes']}: must be of a Real. Use the references of modelDescription.xml.",
+        f"value reference = 12345: must be below {len(fmu.references)}. Use the references of modelDescription.xml.",
+        "solver.nodes as Real: must be got and set as Integer. Use the types of modelDescription.xml.",
     ]
     recovers(instance, undisturbed[fmu.path.stem])
 
 
-def test_outputs_read_during_initialization_depend_on_no_input_set_then(fmu: Fmu):
-    outputs_wait_for_the_end_of_initialization(fmu)
+def test_outputs_read_during_initialization_follow_what_is_set_then(fmu: Fmu):
+    outputs_follow_what_is_set_during_initialization(fmu)
+
+
+def test_a_mooring_follows_the_top_that_is_set_during_initialization(native: dict[str, Fmu]):
+    a_mooring_follows_the_top_during_initialization(native["chain"])
 
 
 def test_a_library_of_another_build_is_not_instantiated(fmu: Fmu):

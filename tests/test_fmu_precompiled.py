@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from cable_model.models import MODELS
 from cable_model.scene import load
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import parts_of
+from fmu_src import precompiled
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
 from fmu_src.interface import generic_scene, scene_from_values
 from fmu_src.native import object_code
@@ -164,6 +166,19 @@ print(model._calls, code.refusal(model), sep="\\n")
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.splitlines() == ["numba", why]
+
+
+def test_object_code_that_was_changed_does_not_run(fmus: dict[str, Fmu], tmp_path: Path):
+    with zipfile.ZipFile(fmus["tow"].path) as archive:
+        code = archive.read("resources/kernels.o")
+    digest, model = hashlib.sha256(code).hexdigest(), MODELS["tow"](generic_scene())
+    (tmp_path / "kernels.o").write_bytes(code[:-1] + b"\1")
+    bad = precompiled.shared(digest, tmp_path / "kernels.o", object_code.GENERIC["tow"])
+    assert bad.refusal(model) == "the object code is not the one that the FMU was built with" and bad.calls(model) is None
+    assert precompiled.shared(digest, tmp_path / "none", ()).refusal(model) == bad.refusal(model)
+    (tmp_path / "kernels.o").write_bytes(code)
+    good = precompiled.shared(digest, tmp_path / "kernels.o", object_code.GENERIC["tow"])
+    assert good.refusal(model) == "" and precompiled.shared(digest, tmp_path / "none", ()) is good
 
 
 def test_an_fmu_without_object_code_says_so():

@@ -12,7 +12,14 @@ from types import ModuleType
 import fmpy
 import numpy as np
 import pytest
-from fmu_support import Fmu, Instance, assert_same, outputs_wait_for_the_end_of_initialization, sway
+from fmu_support import (
+    Fmu,
+    Instance,
+    a_mooring_follows_the_top_during_initialization,
+    assert_same,
+    outputs_follow_what_is_set_during_initialization,
+    sway,
+)
 from native_support import lean
 
 from cable_model.fmu_check import sampled_motion, simulate_fmu
@@ -97,8 +104,12 @@ def test_it_hangs_in_equilibrium_under_the_start_values_of_the_inputs(fmu: Fmu):
     instance.close()
 
 
-def test_outputs_can_be_read_during_initialization_and_depend_on_no_input_then(fmu: Fmu):
-    outputs_wait_for_the_end_of_initialization(fmu)
+def test_outputs_read_during_initialization_follow_what_is_set_then(fmu: Fmu):
+    outputs_follow_what_is_set_during_initialization(fmu)
+
+
+def test_a_mooring_follows_the_top_that_is_set_during_initialization(fmus: dict[str, Fmu]):
+    a_mooring_follows_the_top_during_initialization(fmus["chain"])
 
 
 # -- instances
@@ -211,7 +222,7 @@ def test_the_state_holds_no_pickle_and_is_read_by_its_head(fmu: Fmu):
     instance.initialize()
     data = instance.slave.serializeFMUstate(instance.slave.getFMUstate())
     assert data[:8] == b"CABLEFMU"
-    assert int.from_bytes(data[8:12], "little") == 1
+    assert int.from_bytes(data[8:12], "little") == 2
     instance.close()
 
 
@@ -350,6 +361,22 @@ def test_staging_finds_the_same_content_again(tmp_path: Path, monkeypatch: pytes
     assert not list((tmp_path / "cache").rglob("new-*"))
     (two / "__init__.py").write_text("VALUE = 4\n")
     assert staging.staged(one) != staging.staged(two)
+
+
+def test_a_damaged_staged_file_is_laid_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    package = vendored(tmp_path / "a")
+    lasting = staging.staged(package)
+    for damage in (
+        lambda: (lasting / "__init__.py").write_text("VALUE = 5\n"),
+        lambda: (lasting / "__init__.py").unlink(),
+        lambda: (lasting / "strange.py").write_text(""),
+    ):
+        damage()
+        assert staging.staged(package) == lasting
+        assert [path.name for path in lasting.iterdir()] == ["__init__.py"]
+        assert (lasting / "__init__.py").read_text() == "VALUE = 3\n"
+    assert [path.name for path in lasting.parents[1].iterdir()] == [lasting.parent.name]
 
 
 def test_staging_falls_back_where_nothing_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

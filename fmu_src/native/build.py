@@ -35,6 +35,7 @@ FLAGS = (
     "-std=gnu11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden",
     "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack", "-Wl,-s",
 )  # fmt: skip
+SOURCES = ("fmu.c", "component.h", "values.h", "state.h", "absent.h", "log.h")
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -58,7 +59,7 @@ def _link(header: str, kernels: bytes) -> bytes:
         folder = Path(name)
         (folder / "model.h").write_text(header, encoding="utf-8")
         (folder / "kernels.o").write_bytes(kernels)
-        for source in ("fmu.c", "component.h"):
+        for source in SOURCES:
             shutil.copy(HERE / source, folder)
         command = [found, *FLAGS, f"-I{fmi_headers()}", "-o", "fmu.so", "fmu.c", "kernels.o", "-lm"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -121,7 +122,7 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None)
     rows, variants = table(base), variants_of(model_name, scene)
     header = c_header(identifier, rows, base, model_name, variants)
     kernels = object_code(model_name, variants)
-    sources = [(HERE / name).read_text(encoding="utf-8") for name in ("fmu.c", "component.h")]
+    sources = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
     draft = _description(identifier, "", rows, base, model_name)
     guid = _guid(header, kernels, *sources, draft)
     library = _link(f'#define MODEL_GUID "{guid}"\n{header}', kernels)

@@ -1,27 +1,24 @@
 /* One instance: its errors, its memory, and the way from parameter values to the kernels.  No FMI calls; included once, by fmu.c.
    Everything that an instance is lies in Core and in the kernels' state vector. */
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "fmi2Functions.h"
 #include "model.h"
+
+#include "log.h"
 
 typedef enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED } Phase;
 static const char *const phases[] = {"instantiated", "initializing", "running", "failed", "terminated"};
 
 typedef struct {
     double values[N_VARIABLES]; /* of every kind; a String's place is empty */
-    double entered[N_INPUTS];   /* inputs when initialization began: outputs depend on no later ones before it ends */
-    double start_time, last_time;
-    double phase, outdated, initialized;
+    double start_time, stop_time, last_time;
+    double phase, outdated, initialized, set_up, has_stop;
 } Core;
 
 typedef struct {
     fmi2CallbackFunctions call;
+    Log log;
     char *name;
-    int logging;
     Core core;
     int variant;
     double numbers[N_NUMBERS], present[N_PARTS];
@@ -34,45 +31,13 @@ typedef struct {
 
 /* -- errors and memory */
 
-static void tell(const Instance *m, fmi2Status status, const char *category, const char *format, va_list arguments)
-{
-    char text[2048], safe[4096];
-    size_t n = 0;
-    vsnprintf(text, sizeof text, format, arguments);
-    for (const char *at = text; *at; at++) { /* many hosts use the format itself: it holds the whole text */
-        if (*at == '%')
-            safe[n++] = '%';
-        safe[n++] = *at;
-    }
-    safe[n] = 0;
-    if (m->call.logger)
-        m->call.logger(m->call.componentEnvironment, m->name, status, category, safe);
-}
-
 static fmi2Status fail(const Instance *m, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    tell(m, fmi2Error, "logStatusError", format, arguments);
+    tell(&m->log, fmi2Error, format, arguments);
     va_end(arguments);
     return fmi2Error;
-}
-
-static void inform(const Instance *m, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (m->logging)
-        tell(m, fmi2OK, "logAll", format, arguments);
-    va_end(arguments);
-}
-
-static void warn(const Instance *m, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    tell(m, fmi2Warning, "logStatusWarning", format, arguments);
-    va_end(arguments);
 }
 
 /* "name = value unit": how every text about a value begins */
@@ -193,14 +158,19 @@ static int64_t run(Instance *m, int what, double time, double step, const double
     for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
         if (!isfinite(outputs[k]))
             status = NOT_FINITE;
-    for (unsigned k = 0; what != SIZES && status == OK && m->state[DOUBTS] > 0.0 && k < sizeof doubts / sizeof *doubts; k++) {
+    return broken ? NOT_FINITE : status;
+}
+
+/* Each kind of doubt once. */
+static void tell_doubts(Instance *m)
+{
+    for (unsigned k = 0; m->state[DOUBTS] > 0.0 && k < sizeof doubts / sizeof *doubts; k++) {
         const double *seen = m->state + DOUBT + 2 * k;
         if ((seen[0] != 0.0 || seen[1] != 0.0) && !(m->told & 1u << k)) {
-            warn(m, doubts[k], seen[0], seen[1]);
+            say(&m->log, fmi2Warning, doubts[k], seen[0], seen[1]);
             m->told |= 1u << k;
         }
     }
-    return broken ? NOT_FINITE : status;
 }
 
 /* Checks the values, chooses the variant and makes room for its state. */
@@ -236,14 +206,6 @@ static fmi2Status report(const Instance *m, int64_t status, double now, double s
     return fail(m, status > OK && status <= LAST_STATUS ? failures[status] : "%.6g s: unknown failure", FAILURE_ARGUMENTS);
 }
 
-static fmi2Status check_inputs(const Instance *m, const double *inputs)
-{
-    for (int k = 0; k < N_INPUTS; k++)
-        if (!isfinite(inputs[k]))
-            return refuse(m, k, inputs[k], variables[k].finite);
-    return fmi2OK;
-}
-
 static double at_start(const Instance *m, const double *inputs, int vr) { return vr < N_INPUTS ? inputs[vr] : m->core.values[vr]; }
 
 static fmi2Status check_start(const Instance *m, const double *inputs)
@@ -259,10 +221,12 @@ static fmi2Status check_start(const Instance *m, const double *inputs)
     return fmi2OK;
 }
 
-static fmi2Status initialize(Instance *m, const double *inputs)
+static fmi2Status initialize(Instance *m)
 {
     double outputs[N_OUTPUTS];
-    if (prepare(m) != fmi2OK || check_inputs(m, inputs) != fmi2OK || check_start(m, inputs) != fmi2OK)
+    const double *inputs = m->core.values;
+    m->core.initialized = 0.0;
+    if (prepare(m) != fmi2OK || check_start(m, inputs) != fmi2OK)
         return fmi2Error;
     int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);
     if (status != OK)

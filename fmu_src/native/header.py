@@ -24,8 +24,10 @@ from cable_model.simulated import parts_of
 from fmu_src import entries
 from fmu_src.entries import Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable
+from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.export import ENTRY
 from fmu_src.native.rules import AtStart, Rules
+from fmu_src.order import STEP_SLACK, TIME_SLACK
 
 TYPES = """
 typedef struct {
@@ -154,7 +156,8 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
         "DOUBTS": header.DOUBTS, "DOUBT": header.DOUBT,
-        "FAILURE_ARGUMENTS": arguments,
+        "FAILURE_ARGUMENTS": arguments, "STEP_SLACK": repr(STEP_SLACK), "TIME_SLACK": repr(TIME_SLACK),
+        "LOG_CATEGORIES": ", ".join(map(_text, LOG_CATEGORIES)),
         "TOO_FAST_TEXT": _text(_too_fast(bare)), "STEP_TEXT": _text(rules.step_text),
         "MODEL_NAME": _text(MODELS[model].__name__), "MODEL_IDENTIFIER": _text(identifier),
     }  # fmt: skip

@@ -1,0 +1,120 @@
+/* Getting and setting variables by their value references.  Included once, by fmu.c. */
+
+static const char *kind_name(char kind) { return kind == 'R' ? "Real" : kind == 'I' ? "Integer" : kind == 'B' ? "Boolean" : "String"; }
+
+static fmi2Status known(const Instance *m, fmi2ValueReference vr, char kind)
+{
+    if (vr >= N_VARIABLES)
+        return fail(m, "value reference = %u: must be below %d. Use the references of modelDescription.xml.", vr, N_VARIABLES);
+    if (variables[vr].kind != kind)
+        return fail(m, "%s as %s: must be got and set as %s. Use the types of modelDescription.xml.", variables[vr].name, kind_name(kind),
+                    kind_name(variables[vr].kind));
+    return fmi2OK;
+}
+
+/* What a host hands over: an instance, and arrays where they have elements. */
+static fmi2Status handed(const Instance *m, const fmi2ValueReference vr[], size_t n, const void *values)
+{
+    if (!m)
+        return fmi2Error;
+    if (n > 0 && (!vr || !values))
+        return fail(m, "value references and values: must be given. Pass as many as there are.");
+    return fmi2OK;
+}
+
+/* While initialization lasts, outputs are those of the equilibrium under the values that are set by then. */
+static fmi2Status preview(Instance *m)
+{
+    return m->core.phase == INITIALIZING && m->core.outdated != 0.0 ? initialize(m) : fmi2OK;
+}
+
+static fmi2Status may_get(const Instance *m, fmi2ValueReference vr, char kind)
+{
+    if (known(m, vr, kind) != fmi2OK)
+        return fmi2Error;
+    if (m->core.phase == INSTANTIATED && (variables[vr].causality == 'o' || variables[vr].causality == 'l'))
+        return fail(m, "%s: must be asked for after initialization has begun. Enter the initialization mode first.", variables[vr].name);
+    return fmi2OK;
+}
+
+static fmi2Status may_set(const Instance *m, fmi2ValueReference vr, char kind, double value)
+{
+    if (known(m, vr, kind) != fmi2OK)
+        return fmi2Error;
+    const Variable *v = &variables[vr];
+    if (v->causality == 'p' && m->core.phase > INITIALIZING)
+        return refuse(m, (int)vr, value, "set before the end of initialization. Reset the FMU first.");
+    if (v->causality != 'p' && v->causality != 'i')
+        return refuse(m, (int)vr, value, "left alone: it is calculated. Set inputs and parameters only.");
+    if (m->core.phase == TERMINATED)
+        return refuse(m, (int)vr, value, "set before the end of the simulation. Reset the FMU first.");
+    if (!isfinite(value))
+        return refuse(m, (int)vr, value, *v->kept ? v->kept : v->finite);
+    return fmi2OK;
+}
+
+#define GETTER(Kind, letter)                                                                                     \
+    fmi2Status fmi2Get##Kind(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2##Kind value[])       \
+    {                                                                                                            \
+        Instance *m = c;                                                                                         \
+        if (handed(m, vr, n, value) != fmi2OK)                                                                   \
+            return fmi2Error;                                                                                    \
+        for (size_t k = 0; k < n; k++)                                                                           \
+            if (may_get(m, vr[k], letter) != fmi2OK)                                                             \
+                return fmi2Error;                                                                                \
+        if (preview(m) != fmi2OK)                                                                                \
+            return fmi2Error;                                                                                    \
+        for (size_t k = 0; k < n; k++)                                                                           \
+            value[k] = (fmi2##Kind)m->core.values[vr[k]];                                                        \
+        return fmi2OK;                                                                                           \
+    }
+/* all of them or none */
+#define SETTER(Kind, letter, as_number)                                                                          \
+    fmi2Status fmi2Set##Kind(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2##Kind value[]) \
+    {                                                                                                            \
+        Instance *m = c;                                                                                         \
+        if (handed(m, vr, n, value) != fmi2OK)                                                                   \
+            return fmi2Error;                                                                                    \
+        for (size_t k = 0; k < n; k++)                                                                           \
+            if (may_set(m, vr[k], letter, as_number) != fmi2OK)                                                  \
+                return fmi2Error;                                                                                \
+        for (size_t k = 0; k < n; k++)                                                                           \
+            m->core.values[vr[k]] = as_number;                                                                   \
+        m->core.outdated = 1.0;                                                                                  \
+        return fmi2OK;                                                                                           \
+    }
+GETTER(Real, 'R')
+GETTER(Integer, 'I')
+GETTER(Boolean, 'B')
+SETTER(Real, 'R', value[k])
+SETTER(Integer, 'I', value[k])
+SETTER(Boolean, 'B', value[k] != fmi2False)
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[])
+{
+    Instance *m = c;
+    if (handed(m, vr, n, value) != fmi2OK)
+        return fmi2Error;
+    for (size_t k = 0; k < n; k++)
+        if (may_get(m, vr[k], 'S') != fmi2OK)
+            return fmi2Error;
+    if (preview(m) != fmi2OK)
+        return fmi2Error;
+    for (size_t k = 0; k < n; k++)
+        value[k] = active_effects(m);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[])
+{
+    Instance *m = c;
+    if (handed(m, vr, n, value) != fmi2OK)
+        return fmi2Error;
+    for (size_t k = 0; k < n; k++)
+        if (known(m, vr[k], 'S') == fmi2OK)
+            return fail(m, "%s = '%.100s': must be left alone: it is calculated. Set inputs and parameters only.", variables[vr[k]].name,
+                        value[k] ? value[k] : "");
+        else
+            return fmi2Error;
+    return fmi2OK;
+}

@@ -1,0 +1,462 @@
+"""FMI 2.0 to the letter, both flavours alike: what may be called when, what a host may pass, and what it is told."""
+
+from __future__ import annotations
+
+import ast
+import ctypes
+import shutil
+import struct
+import subprocess
+import sys
+import sysconfig
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmi_calls import DISCARD, ERROR, OK, Component, Library
+from fmu_support import Fmu
+from native_support import only_where_they_run
+
+from cable_model.signals import INPUTS, OUTPUTS
+from fmu_src.interface import table
+from fmu_src.model_description import LOG_CATEGORIES
+from fmu_src.native import build
+
+pytestmark = only_where_they_run
+PLACE = {row.name: reference for reference, row in enumerate(table())}
+TENSION = PLACE["top.tension"]
+
+
+@pytest.fixture(params=["native", "python"])
+def fmu(request: pytest.FixtureRequest) -> Fmu:
+    """One model's FMU in each flavour."""
+    return request.getfixturevalue({"native": "native", "python": "fmus"}[request.param])["tow"]
+
+
+@pytest.fixture
+def library(fmu: Fmu) -> Library:
+    return Library(Path(fmu.folder), fmu.path.stem)
+
+
+@pytest.fixture
+def new(fmu: Fmu, library: Library):
+    """Makes instances, and frees them in the end."""
+    made: list[Component] = []
+
+    def make(**arguments) -> Component:
+        made.append(Component(library, arguments.pop("guid", fmu.description.guid), **arguments))
+        return made[-1]
+
+    yield make
+    for component in made:
+        component.free()
+
+
+# -- the order of calls
+
+
+def test_calls_out_of_order_are_errors_that_harm_nothing(new):
+    """What each phase refuses; afterwards the instance goes on as if nothing had been asked."""
+    component = new()
+    for call in (
+        lambda: component.call("ExitInitializationMode"),
+        lambda: component.call("EnterInitializationMode"),  # before the experiment is set up
+        lambda: component.call("Terminate"),
+        lambda: component.step(0.0, 0.1),
+        lambda: component.get("Real", [TENSION])[0],
+        lambda: component.get("String", [PLACE["effects.active"]])[0],
+        lambda: component.set_up(float("nan")),
+        lambda: component.set_up(5.0, 4.0),
+    ):
+        assert call() == ERROR
+    assert component.get("Real", [PLACE["cable.length"]]) == (OK, [100.0])
+    assert component.set_up(1.0, 2.0) == component.call("EnterInitializationMode") == OK
+    for call in (
+        lambda: component.set_up(),
+        lambda: component.call("EnterInitializationMode"),
+        lambda: component.call("Terminate"),
+        lambda: component.step(1.0, 0.1),
+    ):
+        assert call() == ERROR
+    assert component.call("ExitInitializationMode") == OK
+    for call in (
+        lambda: component.set_up(),
+        lambda: component.call("EnterInitializationMode"),
+        lambda: component.call("ExitInitializationMode"),
+        lambda: component.set("Real", [PLACE["cable.length"]], [90.0]),
+        lambda: component.call("CancelStep"),
+    ):
+        assert call() == ERROR
+    assert component.step(1.0, 0.5) == component.step(1.5, 0.5) == OK
+    assert component.step(2.0, 0.5) == ERROR  # past the stop time
+    assert component.call("Terminate") == OK
+    for call in (
+        lambda: component.call("Terminate"),
+        lambda: component.step(2.0, 0.1),
+        lambda: component.set("Real", [PLACE["top.x"]], [1.0]),
+    ):
+        assert call() == ERROR
+    assert component.get("Real", [TENSION])[0] == OK
+    assert component.call("Reset") == OK
+    assert component.initialize() == OK
+    errors = [text for status, _, text in component.messages if status == ERROR]
+    assert len(errors) == 8 + 4 + 5 + 1 + 3 and len({status for status, *_ in component.messages}) == 2
+
+
+def test_the_texts_of_the_order_are_the_same(new):
+    component = new()
+    component.call("EnterInitializationMode")
+    component.call("Terminate")
+    component.get("Real", [TENSION])
+    component.set_up(5.0, 4.0)
+    component.set_up(5.0, 5.3)
+    component.call("EnterInitializationMode")
+    component.call("ExitInitializationMode")
+    component.step(5.0, 0.25)
+    component.step(5.25, 0.25)
+    component.call("Terminate")
+    component.set("Real", [PLACE["top.x"]], [2.0])
+    assert [text.decode() for status, _, text in component.messages if status == ERROR] == [
+        "experiment: must be set up before initialization. Call fmi2SetupExperiment first.",
+        "instance = 'instantiated': must be initialized and not terminated. Reset it or free it instead.",
+        "top.tension: must be asked for after initialization has begun. Enter the initialization mode first.",
+        "stop time = 4 s: must be finite and >= the start time 5 s. Give a later one, or none.",
+        "end of the step = 5.5 s: must be <= 5.3 s, the stop time. Shorten the step, or set up a later stop time.",
+        "top.x = 2 m: must be set before the end of the simulation. Reset the FMU first.",
+    ]
+
+
+@pytest.mark.parametrize("host", ["sums", "nanoseconds", "sliver"])
+def test_a_hosts_clock_may_round(new, host: str):
+    """Added steps, whole nanoseconds, and the sliver of 2e-14 s that a sum leaves at the end."""
+    component = new()
+    component.set_up(0.0, 1.0)
+    component.call("EnterInitializationMode")
+    component.call("ExitInitializationMode")
+    time = 0.0
+    for k in range(30):
+        begin = time if host != "nanoseconds" else round(k / 30.0 * 1e9) * 1e-9
+        assert component.step(begin, 1.0 / 30.0) == OK
+        time += 1.0 / 30.0
+    if host == "sliver":
+        assert component.step(1.0 - 2e-14, 2e-14) == OK
+
+
+# -- values
+
+
+def test_values_that_are_none_are_refused_when_they_are_set_and_no_value_with_them(new):
+    component = new()
+    for name, bad in (("top.x", np.nan), ("top.az", np.inf), ("cable.length", np.nan), ("winch.speed", -np.inf)):
+        assert component.set("Real", [PLACE["top.y"], PLACE[name]], [7.0, bad]) == ERROR
+    assert component.get("Real", [PLACE["top.y"], PLACE["top.x"], PLACE["cable.length"]]) == (OK, [0.0, 0.0, 100.0])
+    assert component.texts == [
+        "top.x = nan m: must be finite. Check what is connected to this input.",
+        "top.az = inf m/s2: must be finite. Check what is connected to this input.",
+        "cable.length = nan m: must be finite. Give the unstretched length.",
+        "winch.speed = -inf m/s: must be finite. Check what is connected to this input.",
+    ]
+
+
+def test_nothing_where_something_must_be_is_an_error(new):
+    component = new()
+    one, size = (ctypes.c_uint * 1)(0), ctypes.c_size_t(1)
+    for kind in ("Real", "Integer", "Boolean", "String"):
+        for call in ("Get", "Set"):
+            assert component.call(f"{call}{kind}", None, size, (ctypes.c_double * 1)(0.0)) == ERROR
+            assert component.call(f"{call}{kind}", one, size, None) == ERROR
+            assert component.call(f"{call}{kind}", None, ctypes.c_size_t(0), None) == OK
+    assert component.call("GetFMUstate", None) == component.call("SetFMUstate", None) == ERROR
+    assert component.call("SerializedFMUstateSize", None, ctypes.byref(size)) == ERROR
+    assert component.call("SerializeFMUstate", None, ctypes.create_string_buffer(9), size) == ERROR
+    assert component.call("DeSerializeFMUstate", None, size, ctypes.byref(ctypes.c_void_p())) == ERROR
+    assert component.call("DeSerializeFMUstate", ctypes.create_string_buffer(9), size, None) == ERROR
+    assert component.call("FreeFMUstate", None) == component.call("FreeFMUstate", ctypes.byref(ctypes.c_void_p())) == OK
+    assert component.set("String", [PLACE["effects.active"]], [None]) == component.set("String", [0], [b"\xff\xfe"]) == ERROR
+    assert component.get("Real", [2**32 - 1])[0] == component.get("Real", [2**31])[0] == ERROR
+    assert component.initialize() == OK
+
+
+def test_no_instance_is_an_error(library: Library):
+    nothing = ctypes.c_size_t(0)
+    for name in (
+        "Reset", "Terminate", "EnterInitializationMode", "ExitInitializationMode", "CancelStep", "FreeFMUstate", "GetFMUstate",
+        "SetFMUstate",
+    ):  # fmt: skip
+        assert library.call(name, None, None) == ERROR
+    assert library.call("GetReal", None, None, nothing, None) == library.call("SetBoolean", None, None, nothing, None) == ERROR
+    assert library.call("SetDebugLogging", None, 0, nothing, None) == ERROR
+    library.free(None)
+
+
+def test_what_the_capability_flags_leave_out_is_an_error_and_no_status_is_pending(new):
+    component, nothing = new(), ctypes.c_size_t(0)
+    for name in ("SetRealInputDerivatives", "GetRealOutputDerivatives"):
+        assert component.call(name, None, nothing, None, None) == ERROR
+    assert component.call("GetDirectionalDerivative", None, nothing, None, nothing, None, None) == ERROR
+    value, flag = ctypes.c_double(np.nan), ctypes.c_int(7)
+    for name in ("GetStatus", "GetIntegerStatus", "GetStringStatus"):
+        assert component.call(name, 0, ctypes.byref(flag)) == DISCARD
+    component.initialize()
+    component.step(0.0, 0.25)
+    assert (component.call("GetRealStatus", 2, ctypes.byref(value)), value.value) == (OK, 0.25)
+    assert (component.call("GetBooleanStatus", 3, ctypes.byref(flag)), flag.value) == (OK, 0)
+    assert component.call("GetRealStatus", 2, None) == component.call("GetBooleanStatus", 3, None) == ERROR
+
+
+# -- instantiation
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (
+            {"guid": "{00000000-0000-0000-0000-000000000000}"},
+            "GUID: must be {}. The library and modelDescription.xml do not belong together.",
+        ),
+        ({"kind": 0}, "type: must be fmi2CoSimulation. This FMU is no model exchange."),
+        ({"name": None}, "instance name: must not be empty. Give the instance a name."),
+        ({"name": b""}, "instance name: must not be empty. Give the instance a name."),
+    ],
+)
+def test_what_does_not_fit_is_not_instantiated_and_told(fmu: Fmu, new, arguments: dict, text: str):
+    component = new(logging=0, **arguments)
+    assert component.at is None
+    assert component.messages == [(ERROR, b"logStatusError", text.format(fmu.description.guid).encode())]
+
+
+def test_without_callbacks_there_is_no_instance(fmu: Fmu, library: Library):
+    assert library.instantiate(b"cable", 1, fmu.description.guid.encode(), library.uri.encode(), None, 0) is None
+
+
+PLACES = ["file://{}", "file:{}", "file://localhost{}", "FILE://{}/", "{}", None, "", "file:///nowhere/resources", "no uri at all"]
+
+
+@pytest.mark.parametrize("name", ["plain", "a space and é", "日本 100% #1?"])
+def test_every_form_of_the_resource_location_is_understood(fmu: Fmu, tmp_path: Path, name: str):
+    """Also none: then the FMU looks where its library lies."""
+    shutil.copytree(fmu.folder, tmp_path / name)
+    library = Library(tmp_path / name, fmu.path.stem)
+    encoded = library.uri.removeprefix("file://")
+    for form in PLACES:
+        path = str(tmp_path / name / "resources") if form == "{}" else encoded
+        component = Component(library, fmu.description.guid, uri=None if form is None else form.format(path).encode())
+        assert component.at is not None and component.initialize() == OK, form
+        component.free()
+
+
+@pytest.mark.parametrize("name", [b"\xff\xfe cable", "Kabel ä".encode(), b"50%s %n", b"x" * 3000])
+def test_any_name_is_borne(new, name: bytes):
+    component = new(name=name)
+    assert component.initialize() == OK
+    assert component.step(1.0, 0.1) == ERROR
+
+
+# -- the log
+
+
+def test_messages_have_a_category_of_the_description(new):
+    component = new()
+    component.initialize()
+    component.step(7.0, 0.1)
+    component.set("Real", [12345], [1.0])
+    component.call("CancelStep")
+    component.call("GetDirectionalDerivative", None, ctypes.c_size_t(0), None, ctypes.c_size_t(0), None, None)
+    assert [(status, category.decode()) for status, category, _ in component.messages] == [(OK, "logAll"), *[(ERROR, "logStatusError")] * 4]
+
+
+def test_the_host_chooses_categories(new):
+    component = new(logging=0)
+    assert component.initialize() == OK and component.messages == []  # only what is wrong is told
+    component.step(7.0, 0.1)
+    assert [status for status, *_ in component.messages] == [ERROR]
+    for on, categories, told in (
+        (1, (), True), (0, (), False), (1, (b"logStatusWarning", b"logStatusDiscard"), False), (1, (b"logAll",), True),
+        (1, tuple(name.encode() for name in LOG_CATEGORIES), True), (0, (b"logAll",), False),
+    ):  # fmt: skip
+        component.messages.clear()
+        assert component.choose(on, *categories) == component.call("Reset") == component.initialize() == OK
+        assert [status for status, *_ in component.messages] == [OK] * told
+    component.messages.clear()
+    assert component.choose(1, b"logNothing") == component.choose(1, None) == ERROR
+    assert component.texts == [
+        f"log category = '{name}': must be one of modelDescription.xml. Choose one of its LogCategories." for name in ("logNothing", "")
+    ]
+
+
+# -- states
+
+
+def saved(component: Component) -> tuple[ctypes.c_void_p, bytes]:
+    state = ctypes.c_void_p()
+    assert component.save(state) == OK
+    _, size = component.size(state)
+    status, data = component.as_bytes(state, size)
+    assert status == OK
+    return state, data
+
+
+def test_a_freed_state_is_gone_and_a_smaller_room_refused(new):
+    component = new()
+    component.initialize()
+    state, data = saved(component)
+    assert component.as_bytes(state, len(data) - 1)[0] == ERROR
+    assert component.as_bytes(state, len(data) + 9) == (OK, data + bytes(9))
+    assert component.save(state) == OK  # in place of the first
+    assert component.free_state(state) == OK and state.value is None
+    assert component.restore(state) == component.size(state)[0] == ERROR
+    assert component.free_state(state) == OK
+
+
+def fnv(data: bytes) -> int:
+    total = 14695981039346656037
+    for byte in data:
+        total = (total ^ byte) * 1099511628211 % 2**64
+    return total
+
+
+class Forged:
+    """The bytes of a state with other numbers, and a checksum that fits.  Python: times, values, the model's numbers; native likewise."""
+
+    def __init__(self, data: bytes) -> None:
+        self.native = data.startswith(b"CABLEFM3")
+        self.data = bytearray(data)
+        self.values = 64 if self.native else 44 + 8 * 5
+        self.first_parameter = 8 * PLACE["top.motion_order"] + self.values if self.native else self.values + 8 * PLACE["effects.active"]
+
+    def put(self, offset: int, value: float) -> Forged:
+        self.data[offset : offset + 8] = struct.pack("<d", value)
+        return self
+
+    def value(self, name: str, value: float) -> Forged:
+        place = PLACE[name] - PLACE["top.motion_order"]
+        return self.put(self.first_parameter + 8 * place if place >= 0 else self.values + 8 * PLACE[name], value)
+
+    def core(self, name: str, value: float) -> Forged:
+        """Of the native state: what follows the values."""
+        names = ("start_time", "stop_time", "last_time", "phase", "outdated", "initialized", "set_up", "has_stop")
+        return self.put(self.values + 8 * (len(PLACE) + names.index(name)), value)
+
+    def phase(self, value: int) -> Forged:
+        if self.native:
+            return self.core("phase", value)
+        self.data[28:32] = struct.pack("<I", value)
+        return self
+
+    def cable(self, value: float) -> Forged:
+        return self.put(len(self.data) - (8 if self.native else 12), value)
+
+    def time(self, value: float) -> Forged:
+        return self.core("last_time", value) if self.native else self.put(44 + 8 * 4, value)
+
+    @property
+    def bytes(self) -> bytes:
+        if self.native:
+            self.data[48:56] = struct.pack("<Q", fnv(bytes(self.data[56:])))
+        else:
+            self.data[-4:] = struct.pack("<I", zlib.crc32(self.data[:-4]))
+        return bytes(self.data)
+
+
+def test_a_forged_state_is_refused_by_the_name_of_its_part(new):
+    component = new()
+    component.initialize()
+    component.step(0.0, 0.25)
+    state, data = saved(component)
+    assert Forged(data).bytes == data
+    assert component.from_bytes(Forged(data).value("top.x", 3.0).bytes, state) == component.restore(state) == OK
+    assert component.get("Real", [PLACE["top.x"]]) == (OK, [3.0])
+    component.messages.clear()
+    forged = {
+        "phase": Forged(data).phase(7), "time": Forged(data).time(np.nan), "top.vz": Forged(data).value("top.vz", np.nan),
+        "body.tension": Forged(data).value("body.tension", np.inf), "cable.length": Forged(data).value("cable.length", np.nan),
+        "solver.nodes": Forged(data).value("solver.nodes", 20.5), "solver.space": Forged(data).value("solver.space", 2.0),
+        "cable": Forged(data).cable(np.nan),
+    }  # fmt: skip
+    for each in forged.values():
+        assert component.from_bytes(each.bytes, state) == ERROR
+    assert component.texts == [
+        f"saved state of '{part}': must be one that this FMU can be in. Restore only what the same FMU has saved." for part in forged
+    ]
+    if Forged(data).native:
+        for name, value in {"phase": 2.5, "outdated": np.nan, "initialized": 0.0, "has_stop": 3.0, "set_up": -1.0}.items():
+            assert component.from_bytes(Forged(data).core(name, value).bytes, state) == ERROR
+        early = Forged(data).core("phase", 1.0).core("initialized", 0.0)
+        assert component.from_bytes(early.bytes, state) == ERROR
+    for name, value in {"cable.length": -3.0, "solver.nodes": 60.0}.items():  # can be in a state, but breaks a rule
+        assert component.from_bytes(Forged(data).value(name, value).bytes, state) == OK
+        assert component.restore(state) == ERROR
+    assert component.get("Real", [PLACE["cable.length"]]) == (OK, [100.0])
+    assert component.step(0.25, 0.25) == OK
+    component.free_state(state)
+
+
+# -- where an FMU that runs Python cannot run
+
+
+def python(program: str) -> str:
+    """What a program of its own prints."""
+    path = f"import sys\nsys.path[:0] = [{str(Path(__file__).parent)!r}]\n"
+    done = subprocess.run([sys.executable, "-c", path + program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("missing", "end"),
+    [
+        ("sys.modules['numpy'] = None", "numpy: must be installed where this FMU runs. "),
+        (
+            "sys.modules['numba'] = sys.modules['llvmlite'] = None",
+            "numba: must be installed where this FMU runs (import of numba halted; None in sys.modules). ",
+        ),
+        ("sys.version_info = (3, 10, 13)", "Python = 3.10: must be 3.11 or newer. Run the host with such a Python, or use the native FMU."),
+    ],
+    ids=["numpy", "numba", "Python 3.11"],
+)
+def test_a_host_that_lacks_something_is_told_so_in_one_line(fmus: dict[str, Fmu], missing: str, end: str):
+    fmu = fmus["tow"]
+    wanted = end if end.endswith("FMU.") else f"{end}Install what resources/requirements.txt lists, or use the native FMU."
+    told = python(
+        f"""
+from pathlib import Path
+import fmi_calls
+{missing}
+component = fmi_calls.Component(fmi_calls.Library(Path({str(fmu.folder)!r}), "TowCable"), {fmu.description.guid!r}, logging=0)
+if component.at is not None:
+    assert component.initialize() == fmi_calls.ERROR
+print(*component.messages, sep="\\n")
+"""
+    )
+    status, category, text = ast.literal_eval(told)
+    assert (status, category) == (ERROR, b"logStatusError")
+    assert text.decode().removeprefix("ImportError('").removesuffix("')") == wanted
+
+
+def test_a_plain_host_runs_an_fmu_with_python_where_libpython_is_found(fmus: dict[str, Fmu], tmp_path: Path):
+    """No preloading; where it finds no Python with the packages, one error says so, and it ends in order."""
+    fmu, host = fmus["tow"], tmp_path / "host"
+    source = Path(__file__).parent / "native_host.c"
+    subprocess.run(
+        [str(build.compiler()), "-O1", f"-I{build.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True
+    )
+    library = Path(fmu.folder) / "binaries" / "linux64" / "TowCable.so"
+    arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(len(OUTPUTS)), str(len(INPUTS))]
+
+    def run(**environment: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(arguments, input="0 " * 30, env=environment, capture_output=True, text=True, check=False)
+
+    bare = run()
+    assert bare.returncode == 1 and ("must be installed where this FMU runs" in bare.stderr or "libpython: must be found" in bare.stderr)
+    folder, packages = sysconfig.get_config_var("LIBDIR"), str(Path(np.__file__).parents[1])
+    if not sysconfig.get_config_var("Py_ENABLE_SHARED"):
+        pytest.skip("this Python is no library")
+    done = run(HOME=str(tmp_path), LD_LIBRARY_PATH=folder, PYTHONHOME=sys.base_prefix, PYTHONPATH=packages)
+    assert (done.returncode, done.stderr) == (0, "")
+    weight = float.fromhex(done.stdout.split()[OUTPUTS.index("top.force_z")])
+    component = Component(Library(Path(fmu.folder), "TowCable"), fmu.description.guid)
+    component.initialize()
+    component.step(0.0, 0.05)
+    assert weight == component.get("Real", [PLACE["top.force_z"]])[1][0]
+    component.free()
