@@ -55,7 +55,7 @@ def scenes(draw: st.DrawFn) -> tuple[str, Scene]:
     for name in VARIED:
         own = values.get(name, value_of(scene, name))
         values[name] = own * 2.0 ** draw(st.floats(-2.0, 2.0, width=32))
-    values["solver.nodes"] = draw(st.integers(3, 9))
+    values["solver.nodes"] = draw(st.integers(3, 6))
     values["solver.grading"] = draw(st.sampled_from([0.0, 1.0, 2.0]))
     values["solver.lambda_infinity"] = draw(st.sampled_from([-0.9, -0.5, 0.0]))
     values["top.motion_order"] = draw(st.integers(0, 2))

@@ -44,14 +44,16 @@ def told(case: tuple[str, Scene]) -> tuple[str, Scene]:
     return case
 
 
-def close(found: np.ndarray, expected: np.ndarray, tolerance: float) -> None:
-    """Rows of outputs agree, each signal within a share of its own largest and of what goes with it."""
-    scale = np.abs(expected).max(axis=0)
-    for group in ((0, 1, 2, 3, 11, 12, 13), (5, 6, 7), (8, 9, 10)):
-        scale[list(group)] = scale[list(group)].max()
-    scale[[4, 14]] = 1.0
+def close(scene: Scene, found: np.ndarray, expected: np.ndarray, tolerance: float) -> None:
+    """Rows of outputs agree within shares of the cable's dry weight, its length, and what it falls by its length."""
+    length, gravity = scene.cable.length, scene.environment.gravity
+    weight = (scene.cable.mass_per_length * length + scene.body.mass) * gravity
+    scale = np.ones(len(OUTPUTS))
+    for value, places in ((weight, (0, 1, 2, 3, 11, 12, 13)), (length, (5, 6, 7)), (np.sqrt(gravity * length), (8, 9, 10))):
+        scale[list(places)] = value
     assert found.shape == expected.shape
-    worst = (np.abs(found - expected)[:, :15] / (scale[:15] + 1e-300)).max(axis=0)
+    size = np.maximum(np.abs(expected) / scale, 1.0)
+    worst = (np.abs(found - expected) / scale / size)[:, :15].max(axis=0)
     assert (worst <= tolerance).all(), dict(zip(OUTPUTS, worst.tolist(), strict=False))
 
 
@@ -66,7 +68,7 @@ def test_units_are_a_matter_of_taste(case, powers):
     second = Run(model, other).go(4)
     assert len(first.rows) == len(second.rows), (first.failed, second.failed)
     if first.rows:
-        close(second.table / [unit_factor(unit, *factors) for unit in UNITS], first.table, 1e-9)
+        close(scene, second.table / [unit_factor(unit, *factors) for unit in UNITS], first.table, 1e-9)
         assert np.array_equal(first.table[:, 15:], second.table[:, 15:])
 
 
@@ -97,7 +99,7 @@ def test_what_rests_goes_on_resting(case):
     run = Run(model, scene, lambda time: still).go(4)
     assert not run.failed or len(run.rows) == 0, run.failed
     if run.rows:
-        close(run.table, np.repeat(run.table[:1], len(run.rows), axis=0), 1e-6)
+        close(scene, run.table, np.repeat(run.table[:1], len(run.rows), axis=0), 1e-6)
 
 
 @pytest.mark.skipif(PLAIN, reason="this is such a process")
