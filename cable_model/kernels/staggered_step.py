@@ -36,8 +36,8 @@ class Numeric(NamedTuple):
     pull: float  # horizontal force on the lower end, N
     tolerance: float  # of the Newton iteration on velocities, m/s
     rounding: float  # changes of velocities that may be rounding errors, m/s
-    blunt: float  # of a cell: sqrt(q^2 + blunt^2) is its stretch, so that one that vanishes keeps a direction; 0 but in statics
-    turn: float  # largest change of a cell vector within an iteration; 0: any
+    blunt: float = 0.0  # of a cell: sqrt(q^2 + blunt^2) is its stretch, so that one that vanishes keeps a direction; 0 but in statics
+    turn: float = 0.0  # largest change of a cell vector within an iteration; 0: any
 
 
 class Problem(NamedTuple):
@@ -154,7 +154,7 @@ def newton_step(
     start_contacts(parts.seabed, parts.friction, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
     for iteration in range(1, (MAX_TURNS if problem.numeric.turn > 0.0 else MAX_ITERATIONS) + 1):
-        _average(mesh, problem.numeric.blunt, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
+        _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, problem.numeric.blunt)
         assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
@@ -257,7 +257,7 @@ def _hold_anchor(anchor, y1, n, like):
 
 
 @kernel
-def _average(mesh, blunt, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like):
+def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0):
     """Cell vectors and velocities at the averaged time, accelerations at theirs."""
     n = mesh.shape[0] + 1
     low = mix(1.0 - c.alpha_k, load(y1, n, like), c.alpha_k, load(y0, n, like))
@@ -339,7 +339,7 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     moved = felt_in * c.gamma * rate_new * (1.0 - c.alpha_k) * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) / (c.gamma * felt_in), moved, 1.0, h, winding)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
-    _average(mesh, 0.0, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like)
+    _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like, 0.0)
     assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
     faster = 0.0
     moving = 0.0
