@@ -22,16 +22,21 @@ _REASONS = {
     header.NO_EQUILIBRIUM: "no static equilibrium was found",
     header.NO_WINCH: "the winch turned, but the cable has none",
     header.HAULED_IN: "the winch hauled in the whole cable",
+    header.WEIGHTLESS: "no static equilibrium was found, and cable and body weigh less than a millionth of their weight in air",
+    header.BELOW_WAVES: "no static equilibrium was found, and the cable is long enough to hang through the bottom of the waves",
     header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
 }
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
     header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
-    header.NO_EQUILIBRIUM: "Check weight and current; give the cable or body some weight in water",
+    header.NO_EQUILIBRIUM: "Check the places of top, lower end and seabed, weight in water and current",
     header.NO_WINCH: "Leave winch.speed at 0, or set winch.fitted = true (chain only)",
     header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
+    header.WEIGHTLESS: "Give the cable or body some weight in water, or a current, or anchor the lower end",
+    header.BELOW_WAVES: "Set water.depth to the depth, or 0 for deep water, or give a seabed",
     header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
 }
+_EXACT = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN)  # nothing was solved badly
 
 
 class Model:
@@ -132,7 +137,7 @@ class Model:
             raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
         status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)
-        how_bad = "" if status in (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN) else f" ({self._measure(status)})"
+        how_bad = "" if status in _EXACT else f" ({self._measure(status)})"
         raise SolverError(
             f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]}{how_bad}. "
             f"{_REMEDIES[status]}. Results before this time are valid."

@@ -232,5 +232,3 @@ def unknowns_per_node(scene: Any, model: str | None = None) -> int:
     if parts.box is not None:
         return 6 if parts.bending is not None else 4
     return 3 if parts.space is not None else 2
-
-

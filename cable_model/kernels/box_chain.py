@@ -2,7 +2,7 @@
 
 import math
 
-from cable_model.kernels import header, staggered_chain, staggered_step
+from cable_model.kernels import header, staggered_statics, staggered_step
 from cable_model.kernels.box_law import strain, tension
 from cable_model.kernels.box_step import force_scale, newton_step, speed_scale
 from cable_model.kernels.family import Coefficients
@@ -44,8 +44,8 @@ def _staggered_guess(parts, problem, p, mesh, y, contraction, top, anchor, time,
     cable = Cable(c.length, c.diameter, c.mass, _guess_stiffness(parts.inextensible, c, weight), c.gravity, c.weight)
     q = work[0:m].reshape((2 * n, 2))
     force = work[4 * m : 4 * m + n - 1]
-    status = staggered_chain.equilibrium(
-        parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground, p), p, mesh, q,
+    status = staggered_statics.equilibrium(
+        parts, Problem(cable, problem.medium, problem.body, problem.numeric, problem.ground, p), p, max(p[0].solver.grading, 1.0), mesh, q,
         work[m : 2 * m].reshape((2 * n, 2)), contraction, work[2 * m : 3 * m].reshape((2 * n, 2)), work[3 * m : 4 * m].reshape((2 * n, 2)),
         force, top, anchor, time, staggered_step.cut_scratch(work[4 * m + n :], n, (0.0, 0.0)),
     )  # fmt: skip

@@ -32,6 +32,8 @@ def build(parts, p, pull, moves=1.0):
         pull,
         1e-8 * reference,
         1e-8 * reference,
+        0.0,
+        0.0,
     )
     ground = _ground(parts.seabed, parts, p, cable, moves)
     return Problem(cable, _medium(parts.water, p), _body(parts.body, parts.water, p), numeric, ground, p)

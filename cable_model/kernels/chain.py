@@ -11,9 +11,11 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
 from cable_model.kernels.pending import build_bridge, followed, is_short, wait
+from cable_model.kernels.problem import body_mass, body_weight
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
+from cable_model.kernels.watch import open_bottom
 
 # what a model calls
 __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
@@ -22,6 +24,7 @@ TOLERATED = 0.02  # such that tips and bodies keep within solver.tolerance of th
 LEAST_MOTION = 0.01  # of g: errors are relative to the motion, but not to next to nothing
 LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
 SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
+NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is rounding
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
@@ -66,7 +69,24 @@ def settle(parts, p, time, state, work):
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
     top = top_at(parts, state, 0)
-    return grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
+    status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
+    if status == header.OK:
+        return status
+    _note_worst(view.scratch.x, state)
+    state[header.ERROR_TIME] = time
+    depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
+    if depth > 0.0 and state[header.TOP + 2] - problem.cable.length < -depth:
+        return header.BELOW_WAVES
+    if parts.anchor is None and parts.current is None and _weightless(parts, p, problem):
+        return header.WEIGHTLESS
+    return status
+
+
+@kernel
+def _weightless(parts, p, problem):
+    cable = problem.cable
+    dry = (cable.mass * cable.length + body_mass(problem.body)) * cable.gravity
+    return abs(cable.weight) * cable.length + abs(body_weight(problem.body)) <= NEUTRAL * dry
 
 
 @kernel

@@ -3,12 +3,12 @@
 Each grid compiles its own side only.  A View is layout.View; positions and velocities are vectors of the chain's dimension.
 """
 
-from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_step
+from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_statics, staggered_step
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import total_weight
-from cable_model.kernels.seabed import keep_sliders, lay_out, recall_sliders, start_contacts
+from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.slack import limited
 from cable_model.kernels.vector import axpy, load, mix, norm, scale
 
@@ -67,12 +67,11 @@ place_nodes = by_presence(_staggered_places, _box_places)
 
 @kernel
 def _staggered_equilibrium(box, parts, problem, p, view, top, anchor, time):
-    contact = view.scratch.contact
-    lay_out(parts.friction, problem.ground, view.mesh, anchor, top, contact)
-    status = staggered_chain.equilibrium(
-        parts, problem, p, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, view.force, top, anchor, time, view.scratch
-    )
-    keep_sliders(parts.friction, problem.ground, view.mesh, 1.0, top, contact, view.sliders)
+    status = staggered_statics.equilibrium(
+        parts, problem, p, staggered_chain.grading_of(anchor, p[0].solver.grading), view.mesh, view.y, view.yd, view.contraction,
+        view.y1, view.yd1, view.force, top, anchor, time, view.scratch,
+    )  # fmt: skip
+    keep_sliders(parts.friction, problem.ground, view.mesh, 1.0, top, view.scratch.contact, view.sliders)
     return status
 
 

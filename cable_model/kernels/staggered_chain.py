@@ -1,154 +1,33 @@
-"""Static equilibrium, starting rates and outputs of the chain on the staggered grid."""
-
-import math
+"""Starting rates and outputs of the chain on the staggered grid, and where its nodes are."""
 
 from cable_model.kernels import header
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
-from cable_model.kernels.problem import body_weight, total_weight
+from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
-from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step, with_bending, with_tolerance
+from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
-from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, sub, upward, zero
+from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, zero
 
-STATIC_STEPS = 400
-FIRST_BENDING = 1e-3  # of W h^2: bending that moves no node of the hanging chain by much of a cell
-BENDING_FACTOR = 4.0  # the next bending stiffness over one whose equilibrium is found
-SETTLED = 10.0  # sqrt(L/g): a pseudo-step that long, with few iterations, is an equilibrium near enough to go on from
-FEW_ITERATIONS = 5
+
+@kernel
+def grading_of(anchor, grading):
+    """Uniform by default between two held ends, by travel time above a lower end that hangs."""
+    return grading if anchor is None else max(grading, 1.0)
 
 
 @kernel
 def place_nodes(anchor, problem, grading, mesh):
-    """Uniform by default between two held ends, by travel time above a lower end that hangs."""
-    below = body_weight(problem.body)
-    weight = problem.cable.weight
-    if anchor is not None:
-        fill_mesh(mesh, max(grading, 1.0), problem.cable.length, below, weight)
-    else:
-        fill_mesh(mesh, grading, problem.cable.length, below, weight)
-
-
-@kernel
-def _first_guess(anchor, problem, scale_force, mesh, y, force, top):
-    """The catenary under weight and pull alone, cell by cell; between two held ends a V of two straight legs."""
-    n = mesh.shape[0] + 1
-    pull = problem.numeric.pull
-    load_below = body_weight(problem.body)
-    total = load_below + problem.cable.weight * problem.cable.length
-    sign = 1.0 if total >= 0.0 else -1.0
-    for i in range(n - 1):
-        hanging = load_below + problem.cable.weight * mesh[i, 1] * mesh[i, 0]
-        load_below += problem.cable.weight * mesh[i, 0]
-        if sign * hanging < 0.0:
-            hanging = 0.0
-        size = math.sqrt(hanging * hanging + pull * pull)
-        force[i] = max(size, 1e-3 * scale_force)
-        stretch = 1.0 + size / problem.cable.stiffness
-        if size > 0.0:
-            store(y, i, along_x(-pull * stretch / size, upward(hanging * stretch / size, top)))
-        else:
-            store(y, i, upward(sign, top))
-    _bend_guess(anchor, mesh, y, top)
-
-
-@kernel
-def along_x(size, a):
-    """The vector a with its first component set."""
-    if len(a) == 2:
-        return (size, a[1])
-    return (size, a[1], a[2])
-
-
-@kernel
-def _bend_guess(anchor, mesh, y, top):
-    if anchor is None:
-        return
-    n = mesh.shape[0] + 1
-    length = 0.0
-    for i in range(n - 1):
-        length += mesh[i, 0]
-    chord = sub(top, anchor)
-    rise = chord[len(top) - 1]
-    level = axpy(-1.0, upward(rise, top), chord)
-    across = norm(level)
-    if dot(chord, chord) >= length * length or across < 1e-9 * length:
-        for i in range(n - 1):
-            store(y, i, scale(1.0 / length, chord))
-        return
-    # legs a below the anchor and b below the top: horizontal runs share the chord, both at the same slope
-    drop = math.sqrt(length * length - across * across)
-    first = 0.5 * (1.0 - rise / drop) * length
-    ahead = scale(1.0 / length, level)
-    gone = 0.0
-    for i in range(n - 1):
-        # exact lengths: a cell that holds the kink is bent into its mean direction
-        down = min(max((first - gone) / mesh[i, 0], 0.0), 1.0)
-        store(y, i, axpy(1.0, upward((1.0 - 2.0 * down) * drop / length, top), ahead))
-        gone += mesh[i, 0]
+    fill_mesh(mesh, grading_of(anchor, grading), problem.cable.length, body_weight(problem.body), problem.cable.weight)
 
 
 @kernel
 def unwound(problem):
     """The winding of a cable whose length does not change."""
     return Winding(problem.cable.length, 0.0, 0.0)
-
-
-@kernel
-def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, force, top, anchor, time, s):
-    """Static equilibrium by pseudo-transient continuation: backward differences from rest with ever longer steps.
-
-    A loop with bending may be in equilibrium in several shapes.  Found is the one that the hanging chain reaches as EI grows from next to
-    nothing to its value: a large step at once may end in another, or in a fold between two cells.
-    """
-    n = mesh.shape[0] + 1
-    weight = total_weight(parts, p)
-    _first_guess(anchor, problem, weight, mesh, y, force, top)
-    still = zero(top)
-    for i in range(n, 2 * n):
-        store(y, i, still)
-    store(y, n - 1, top)
-    for i in range(2 * n):
-        store(yd, i, still)
-    period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
-    step = 0.03 * period
-    backward = Coefficients(0.0, 0.0, 1.0)
-    goal = problem.numeric.bending
-    stiff = _first_bending(parts.bending, weight, problem, n - 1)
-    for _ in range(STATIC_STEPS):
-        to_place = with_tolerance(problem, 1e-10 * problem.cable.length / step, 0.0)  # positions to 1e-10 of the length
-        to_place = with_bending(to_place, stiff)
-        contraction[0] = 0.0  # steps differ too much to learn from one another
-        status = newton_step(
-            parts, to_place, mesh, y, yd, yd, backward, time, step, top, still, unwound(problem), contraction, y1, yd1, force, force, 0.0, s
-        )
-        if status < 0:
-            step *= 0.2
-            if step < 1e-9 * period:
-                return header.NO_EQUILIBRIUM
-            continue
-        keep_tensions(parts, to_place.numeric, mesh, force, s)
-        for i in range(n - 1):
-            store(y, i, load(y1, i, top))
-        if stiff < goal and step >= SETTLED * period and status <= FEW_ITERATIONS:
-            stiff = min(goal, BENDING_FACTOR * stiff)
-            step = period
-            continue
-        if stiff >= goal and step >= 1e5 * period and status <= 4:
-            return header.OK
-        step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
-    return header.NO_EQUILIBRIUM
-
-
-@kernel
-def _first_bending(bending, weight, problem, cells):
-    if bending is None:
-        return problem.numeric.bending
-    cell = problem.cable.length / cells
-    return min(problem.numeric.bending, FIRST_BENDING * weight * cell * cell)
 
 
 @kernel

@@ -10,13 +10,14 @@ from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
+from cable_model.kernels.seabed import CHANGE, start_contacts, update_contacts
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
-from cable_model.kernels.seabed import start_contacts, update_contacts
 from cable_model.kernels.slack import fading, floor, step_tension, width
 from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
 
 MAX_ITERATIONS = 25
+MAX_TURNS = 60  # iterations where the change of one is limited
 DIVERGED = -1
 NOT_CONVERGED = -2
 FELT_TIME = 0.05  # of sqrt(L/g): vibrations much faster than this do not count as errors
@@ -35,6 +36,8 @@ class Numeric(NamedTuple):
     pull: float  # horizontal force on the lower end, N
     tolerance: float  # of the Newton iteration on velocities, m/s
     rounding: float  # changes of velocities that may be rounding errors, m/s
+    blunt: float = 0.0  # of a cell: sqrt(q^2 + blunt^2) is its stretch, so that one that vanishes keeps a direction; 0 but in statics
+    turn: float = 0.0  # largest change of a cell vector within an iteration; 0: any
 
 
 class Problem(NamedTuple):
@@ -52,15 +55,7 @@ class Problem(NamedTuple):
 def with_tolerance(problem, tolerance, rounding):
     """The same problem with other limits of Newton's method, m/s."""
     old = problem.numeric
-    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding)
-    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
-
-
-@kernel
-def with_bending(problem, bending):
-    """The same problem with another bending stiffness, N m2."""
-    old = problem.numeric
-    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, bending, old.pull, old.tolerance, old.rounding)
+    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding, 0.0, 0.0)
     return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
@@ -95,6 +90,7 @@ class Scratch(NamedTuple):
     cells: object
     length: object  # stretch of the cells before the step
     contact: object  # columns of seabed.py
+    whole: object  # all of it, for statics on coarser meshes
 
 
 @kernel
@@ -116,6 +112,7 @@ def cut_scratch(work, n, like):
         work[4 * m + 5 * m * d : 4 * m + 5 * m * d + n * (3 * d + 5)].reshape((n, 3 * d + 5)),
         work[o - n : o],
         work[o : o + n * CONTACT_COLUMNS].reshape((n, CONTACT_COLUMNS)),
+        work,
     )
 
 
@@ -156,11 +153,12 @@ def newton_step(
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     start_contacts(parts.seabed, parts.friction, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
-    for iteration in range(1, MAX_ITERATIONS + 1):
-        _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like)
+    for iteration in range(1, (MAX_TURNS if problem.numeric.turn > 0.0 else MAX_ITERATIONS) + 1):
+        _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, problem.numeric.blunt)
         assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
+        shortened = _shorten(problem.numeric.turn, gains.q, mesh, s, like)
         change = 0.0
         for i in range(n):
             for k in range(len(like)):
@@ -172,11 +170,30 @@ def newton_step(
             return DIVERGED
         cut = _update_tensions(parts.slack, problem.numeric, mesh, s.cells)
         cut = update_contacts(parts.seabed, parts.friction, problem.ground, gains, mesh, s.x, like, s.contact) or cut
-        if has_converged(iteration, change, previous, problem.numeric, contraction) and not cut:
+        if has_converged(iteration, change, previous, problem.numeric, contraction) and not cut and not shortened:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
             return iteration
         previous = change
     return NOT_CONVERGED
+
+
+@kernel
+def _shorten(turn, by_velocity, mesh, s, like):
+    """Take a share of Newton's changes where one of a cell vector would be larger than `turn`; whether so."""
+    if turn == 0.0:
+        return False
+    largest = 0.0
+    for i in range(mesh.shape[0]):
+        largest = max(largest, norm(sub(load(s.x, i + 1, like), load(s.x, i, like))) * by_velocity / mesh[i, 0])
+    if not largest > turn:
+        return False
+    share = turn / largest
+    for i in range(mesh.shape[0]):
+        s.cells[i, 1] *= share
+        s.contact[i, CHANGE] *= share
+        for k in range(len(like)):
+            s.x[i, k] *= share
+    return True
 
 
 @kernel
@@ -240,7 +257,7 @@ def _hold_anchor(anchor, y1, n, like):
 
 
 @kernel
-def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like):
+def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0):
     """Cell vectors and velocities at the averaged time, accelerations at theirs."""
     n = mesh.shape[0] + 1
     low = mix(1.0 - c.alpha_k, load(y1, n, like), c.alpha_k, load(y0, n, like))
@@ -258,7 +275,7 @@ def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like
             qd1 = mix(rate_new / mesh[i, 0], sub(up, low), -rate_old, qd0)
             q1 = axpy(h, mix(1.0 - c.gamma, qd0, c.gamma, qd1), q0)
             store(s.q, i, mix(1.0 - c.alpha_k, q1, c.alpha_k, q0))
-            length = norm(q1)
+            length = (dot(q1, q1) + blunt * blunt) ** 0.5
             s.cells[i, 2] = (1.0 - c.alpha_k) * length + c.alpha_k * s.length[i]
             store_from(s.cells, i, 3, scale(1.0 / length, q1))
             low = up
@@ -322,7 +339,7 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     moved = felt_in * c.gamma * rate_new * (1.0 - c.alpha_k) * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) / (c.gamma * felt_in), moved, 1.0, h, winding)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
-    _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like)
+    _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like, 0.0)
     assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
     faster = 0.0
     moving = 0.0

@@ -89,7 +89,7 @@ def watch_inputs(order, p, state, inputs, step):
 
 
 @kernel
-def _open_bottom(finite_depth, seabed, waves):
+def open_bottom(finite_depth, seabed, waves):
     """Depth of a bottom that waves feel and the cable does not; 0 without."""
     if finite_depth is None:
         return 0.0
@@ -106,7 +106,7 @@ def watch_outputs(parts, p, state, outputs):
     highest = max(state[TOP + 2], lower_z)
     if parts.water is not None and parts.surface is None and highest > allowed:
         _note(state, ABOVE, highest, allowed)
-    depth = _open_bottom(parts.finite_depth, parts.seabed, parts.waves)
+    depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
         _note(state, BELOW, lower_z, -depth)
     if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * p[0].cable.axial_stiffness:
