@@ -22,10 +22,10 @@ from cable_model.scene import Scene
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import one_line
 
-EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "25"))
+EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "15"))
 PLAIN = bool(numba.config.DISABLE_JIT)
 tried = settings(
-    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 25, database=None, print_blob=False,
+    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 15, database=None, print_blob=False,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 BATTERIES = []
@@ -58,9 +58,12 @@ def close(scene: Scene, found: np.ndarray, expected: np.ndarray, tolerance: floa
 
 
 @battery
-@given(scenes(), st.tuples(*[st.integers(-6, 6)] * 3))
+@given(scenes(), st.tuples(*[st.integers(-3, 3)] * 3))
 def test_units_are_a_matter_of_taste(case, powers):
-    """Powers of two are exact: the same scene in other units gives the same numbers, so nothing in the kernels has a size of its own."""
+    """Powers of two are exact: the same scene in other units gives the same numbers, so nothing in the kernels has a size of its own.
+
+    But for a gravity below 1e-3 m/s2, which counts as none: these factors stay above it.
+    """
     model, scene = told(case)
     factors = tuple(2.0**power for power in powers)
     other = in_other_units(scene, *factors)
@@ -104,7 +107,7 @@ def test_what_rests_goes_on_resting(case):
 
 @pytest.mark.skipif(PLAIN, reason="this is such a process")
 @pytest.mark.parametrize("name", BATTERIES)
-@pytest.mark.parametrize("examples", [25, pytest.param(1250, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [15, pytest.param(750, marks=pytest.mark.long)])
 def test_in_plain_python(name: str, examples: int):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", f"{__file__}::{name}"],
