@@ -23,13 +23,16 @@ _REASONS = {
     header.NO_WINCH: "the winch turned, but the cable has none",
     header.HAULED_IN: "the winch hauled in the whole cable",
     header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
+    header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
 }
+_SAID = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS)  # where no number says more
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
     header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
     header.NO_EQUILIBRIUM: "Check weight and current; give the cable or body some weight in water",
     header.NO_WINCH: "Leave winch.speed at 0, or set winch.fitted = true (chain only)",
     header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
+    header.TOO_MANY_STEPS: "Raise solver.time_step, or solver.tolerance where the motion is a sequence of shocks, or take shorter steps",
     header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
 }
 
@@ -132,7 +135,7 @@ class Model:
             raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
         status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)
-        how_bad = "" if status in (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN) else f" ({self._measure(status)})"
+        how_bad = "" if status in _SAID else f" ({self._measure(status)})"
         raise SolverError(
             f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]}{how_bad}. "
             f"{_REMEDIES[status]}. Results before this time are valid."

@@ -44,3 +44,5 @@ NO_EQUILIBRIUM = 3
 OUT_OF_PLANE = 4
 NO_WINCH = 5  # the winch turned, and there is none
 HAULED_IN = 6  # next to no cable is left
+TOO_MANY_STEPS = 7  # a communication step that would not end
+LAST_STATUS = 7

@@ -97,7 +97,7 @@ def _failures(model: Model) -> tuple[list[str], str]:
     marks = {"77.25": ("%.6g", "time"), "8181": ("%.0f", "node"), "0.625": ("%.3g", "size")}
     model.state[[header.ERROR_TIME, header.ERROR_NODE, header.ERROR_SIZE]] = [float(mark) for mark in marks]
     formats, orders = ['""'], set()
-    for status in range(1, header.HAULED_IN + 1):
+    for status in range(1, header.LAST_STATUS + 1):
         try:
             model._must(status, 0.0)
         except SolverError as error:
@@ -153,7 +153,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
-        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.HAULED_IN, "TOO_FAST": f"({TOO_FAST})",
+        "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.LAST_STATUS, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
         "DOUBTS": header.DOUBTS, "DOUBT": header.DOUBT,
         "FAILURE_ARGUMENTS": arguments, "STEP_SLACK": repr(STEP_SLACK), "TIME_SLACK": repr(TIME_SLACK),
