@@ -25,7 +25,9 @@ _REASONS = {
     header.WEIGHTLESS: "no static equilibrium was found, and cable and body weigh less than a millionth of their weight in air",
     header.BELOW_WAVES: "no static equilibrium was found, and the cable is long enough to hang through the bottom of the waves",
     header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
+    header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
 }
+_SAID = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS)  # where no number says more
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
     header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
@@ -34,9 +36,9 @@ _REMEDIES = {
     header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
     header.WEIGHTLESS: "Give the cable or body some weight in water, or a current, or anchor the lower end",
     header.BELOW_WAVES: "Set water.depth to the depth, or 0 for deep water, or give a seabed",
+    header.TOO_MANY_STEPS: "Raise solver.time_step, or solver.tolerance where the motion is a sequence of shocks, or take shorter steps",
     header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
 }
-_EXACT = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN)  # nothing was solved badly
 
 
 class Model:
@@ -88,7 +90,8 @@ class Model:
         self._check_start(inputs)
         self.state[:] = 0.0
         self._must(self._calls.start(float(time), inputs), time)
-        self._at_start = (*before_the_run(self.scene, self.name), *at_the_start(self.scene, self.name, self.outputs.tolist()))
+        if hasattr(self, "scene"):  # one that is made from numbers has none
+            self._at_start = (*before_the_run(self.scene, self.name), *at_the_start(self.scene, self.name, self.outputs.tolist()))
 
     def warnings(self) -> tuple[str, ...]:
         """What is doubtful about the run so far; none before `initialize`."""
@@ -137,7 +140,7 @@ class Model:
             raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
         status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)
-        how_bad = "" if status in _EXACT else f" ({self._measure(status)})"
+        how_bad = "" if status in _SAID else f" ({self._measure(status)})"
         raise SolverError(
             f"{type(self).__name__} at t = {where:.6g} s: {_REASONS[status]}{how_bad}. "
             f"{_REMEDIES[status]}. Results before this time are valid."

@@ -7,6 +7,17 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_outputs import node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.error_control import (
+    GROWTH,
+    LARGEST_TOLERANCE,
+    MOST_STEPS,
+    SOLVED,
+    Trials,
+    allowed_error,
+    growth,
+    judge,
+    see_motion,
+)
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
@@ -20,16 +31,12 @@ from cable_model.kernels.watch import open_bottom
 # what a model calls
 __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
 
-TOLERATED = 0.02  # such that tips and bodies keep within solver.tolerance of their motion, and tensions within a few times it
-LEAST_MOTION = 0.01  # of g: errors are relative to the motion, but not to next to nothing
-LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
-SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
 NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is rounding
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
+HALVED = math.sqrt(1.6)  # internal steps: pending time and a communication step that are longer together are two steps
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
-GROWTH = 2.0  # of the internal step from one to the next: what the mesh does not resolve rings on with 1 - (r - 1)/2 of it at a ratio of r
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
@@ -182,8 +189,8 @@ def _shift(state, ahead, h):
 
 
 @kernel
-def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny):
-    """One internal step from time + done; returns the Newton iterations or a negative status."""
+def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, least):
+    """One internal step from time + done; returns the Newton iterations or a negative status.  `least`: see _drawn_to, not below it."""
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
     last = state[header.STEP]
     shift = _shift(state, c.alpha_m - c.alpha_k, h)
@@ -194,7 +201,7 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny):
         yd0[i] = yd[i] + shift * ydd[i]
     before, _ = _top_on(parts, course, done)
     after, velocity = _top_on(parts, course, done + h)
-    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, max(h, FADING * state[header.DRIFT_STEP]))
+    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, max(h, FADING * state[header.DRIFT_STEP], least))
     return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, velocity, winding)
 
 
@@ -255,6 +262,19 @@ def _leaves_plane(space, path, state, length):
 
 
 @kernel
+def _equal_step(time_step, last, pending, span):
+    """The fewest equal parts of the pending time and a communication step that are not longer than an internal step may be.
+
+    Two parts where they are nearer to the last step, in their squares, than the whole is: as the truncation errors go, so are the kicks.
+    """
+    if pending == 0.0:
+        return span / max(1, math.ceil(span / time_step - 1e-9))
+    total = pending + span
+    fewest = 2 if HALVED * last < total < GROWTH * last else 1
+    return total / max(fewest, math.ceil(total / time_step - EXCEEDED))
+
+
+@kernel
 def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
@@ -274,13 +294,13 @@ def advance(parts, p, time, span, path, state, work):
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     tolerance = min(p[0].solver.tolerance, LARGEST_TOLERANCE)
-    gravity = max(problem.cable.gravity, 1e-3)
+    gravity = problem.cable.gravity
     longest = _natural_step(p, problem.cable)
+    smallest = SMALLEST_STEP * p[0].solver.time_step
     pending = state[header.PENDING]
     total = pending + span
-    base = total / max(1, math.ceil(total / p[0].solver.time_step - (1e-9 if pending == 0.0 else EXCEEDED)))
-    state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], LEAST_MOTION * gravity)
-    allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
+    base = _equal_step(p[0].solver.time_step, state[header.STEP], pending, span)
+    allowed = allowed_error(state, tolerance, gravity)
     h = base
     if tolerance > 0.0:
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[0].solver.time_step
@@ -288,15 +308,23 @@ def advance(parts, p, time, span, path, state, work):
         h = state[header.NEXT_STEP]
     if tolerance == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
         h = GROWTH * state[header.STEP]
-    if is_short(state, total, h if tolerance > 0.0 else state[header.STEP]):
+    if is_short(state, total, state[header.STEP]):
         wait(state, span, path)
         _go_on(parts, problem, view, state, time, span, path)
         return header.OK
+    if span > MOST_STEPS * p[0].solver.time_step:
+        state[header.ERROR_TIME] = time
+        return header.TOO_MANY_STEPS
     build_bridge(state, view.bridge)
     course = Course(path, span, view.bridge, pending)
     done = -pending
-    tried = 0.0  # error of the trial before, of the same step
+    trials = Trials(0.0, 0.0)
+    steps = 0
     while done < span:
+        steps += 1
+        if steps > MOST_STEPS:
+            state[header.ERROR_TIME] = time + done
+            return header.TOO_MANY_STEPS
         rest = span - done
         tiny = TINY_STEP * (h if tolerance > 0.0 else longest)
         used = h
@@ -313,38 +341,29 @@ def advance(parts, p, time, span, path, state, work):
         to_solve = problem
         if tolerance > 0.0:  # what Newton's method leaves must not look like a truncation error
             to_solve = with_tolerance(problem, min(problem.numeric.tolerance, SOLVED * allowed * used), problem.numeric.rounding)
-        status = _try_step(parts, p, to_solve, view, state, c, time, course, done, used, tiny)
+        status = _try_step(parts, p, to_solve, view, state, c, time, course, done, used, tiny, longest if tolerance > 0.0 else 0.0)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
             _note_worst(view.scratch.x, state)
             h = 0.25 * used
-            if h < SMALLEST_STEP * p[0].solver.time_step:
+            if h < smallest:
                 return header.STEP_TOO_SMALL
             continue
         proposal = base
         if tolerance > 0.0:
-            ratio = 0.25
+            factor = growth(0.25)
             if state[header.STEPS] > 0.0:
                 error, moving = _local_error(parts, problem, view, state, c, time, course, done, used)
-                state[header.LARGEST_MOTION] = max(state[header.LARGEST_MOTION], min(moving, gravity))
-                allowed = TOLERATED * tolerance * state[header.LARGEST_MOTION]
-                # an error that falls from step to step, or does not fall with the step, is what earlier steps left to ring:
-                # smaller steps would excite more of it
-                rings = error < state[header.LAST_ERROR] or (tried > 0.0 and error > 0.4 * tried)
-                if error > 2.0 * allowed and used > SMALLEST_STEP * p[0].solver.time_step and not rings:
+                see_motion(state, moving, gravity)
+                allowed = allowed_error(state, tolerance, gravity)
+                factor, again, trials = judge(state, error, allowed, used, smallest, trials)
+                if again:
                     state[header.REJECTED] += 1.0
-                    tried = error
-                    h = max(used * max(0.3, 0.8 * math.sqrt(allowed / error)), SMALLEST_STEP * p[0].solver.time_step)
+                    h = max(used * factor, smallest)
                     continue
-                ratio = error / allowed
-                if rings:
-                    ratio = min(ratio, 0.5)
-                state[header.LAST_ERROR] = error
-                tried = 0.0
-            growth = min(2.0, max(0.3, 0.85 / math.sqrt(max(ratio, 1e-6))))
             kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
-            proposal = min(p[0].solver.time_step, max(used * growth, kept, SMALLEST_STEP * p[0].solver.time_step))
+            proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
         _accept(parts, problem, view, top_at(parts, state, 0), used, used < tiny)

@@ -24,6 +24,7 @@ SLOPE = 2  # its derivative by the vertical velocity
 HEIGHT = 3  # height and vertical velocity of the node at the old time
 SPEED = 4
 COLUMNS = sliders.COLUMNS  # the others are friction.py's
+RESTING = 0.05  # of the weight that a node carries
 
 
 class Ground(NamedTuple):
@@ -81,6 +82,19 @@ def _start(present, friction, ground, mesh, y0, top_row, h, like, contact):
 
 
 start_contacts = by_presence(_no_start, _start)  # heights, velocities and forces of all nodes at the start of a step of length h
+
+
+@kernel
+def _never(present, ground, weight, mesh, i, contact):
+    return False
+
+
+@kernel
+def _rests(present, ground, weight, mesh, i, contact):
+    return contact[i, FORCE] > RESTING * abs(weight) * _carried(ground, mesh, i)
+
+
+rests = by_presence(_never, _rests)  # whether the seabed carries a good part of what hangs on node i; `weight` is that of a metre
 
 
 @kernel

@@ -10,17 +10,17 @@ from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
-from cable_model.kernels.seabed import CHANGE, start_contacts, update_contacts
+from cable_model.kernels.seabed import CHANGE, rests, start_contacts, update_contacts
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.slack import fading, floor, step_tension, width
-from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
-from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub
+from cable_model.kernels.staggered import FADING, SHARE, assemble, prescribe_ends
+from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub, zero
 
 MAX_ITERATIONS = 25
 MAX_TURNS = 60  # iterations where the change of one is limited
 DIVERGED = -1
 NOT_CONVERGED = -2
-FELT_TIME = 0.05  # of sqrt(L/g): vibrations much faster than this do not count as errors
+FELT_TIME = 0.1  # of sqrt(L/g): vibrations much faster than this do not count as errors
 SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in slack
 
 
@@ -327,7 +327,8 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     motion: its acceleration, or its velocity over sqrt(L/g) where that is less, as it is where waves along the cable ring.
 
     Felt: the Newton matrix of a step of FELT_TIME stands for the mass, so that what the cable's stiffness takes up within that
-    time does not count.  Else waves along the cable, of no size but of large accelerations, would rule the step.
+    time does not count.  Else waves along the cable, of no size but of large accelerations, would rule the step.  Nor do nodes count that
+    the seabed carries: one that lands stops at once, whatever the step.
     """
     n = mesh.shape[0] + 1
     like = top
@@ -348,9 +349,11 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
         faster += _mass(problem, mesh, i) * dot(now, now)
         now = load(s.v, i, like)
         moving += _mass(problem, mesh, i) * dot(now, now)
-        miss = sub(axpy(-reach, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like))
-        store(s.x, i, scale(gains.a * _mass(problem, mesh, i), miss))
         s.cells[i, 1] = 0.0
+    _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like)
+    for i in range(n - 1):
+        if rests(parts.seabed, problem.ground, problem.cable.weight, mesh, i, s.contact):
+            store(s.x, i, zero(like))
     prescribe_ends(parts, s.bands, s.x, n, like)
     solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
     total = 0.0
@@ -359,8 +362,25 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
         mass = _mass(problem, mesh, i)
         felt = load(s.x, i, like)
         total += mass
-        summed += mass * dot(felt, felt)
+        if not rests(parts.seabed, problem.ground, problem.cable.weight, mesh, i, s.contact):
+            summed += mass * dot(felt, felt)
     return (summed / total) ** 0.5, min((faster / total) ** 0.5, (moving / total) ** 0.5 / period)
+
+
+@kernel
+def _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like):
+    """What the accelerations differ from their extrapolation by, times the mass as the inertia is shared, into s.x."""
+    n = mesh.shape[0] + 1
+    for i in range(n):
+        store(s.v, i, sub(axpy(-reach, load(ydd, n + i, like), load(yd1, n + i, like)), load(yd0, n + i, like)))
+        store(s.x, i, zero(like))
+    store(s.x, 0, scale(gains.a * body_mass(problem.body), load(s.v, 0, like)))
+    for i in range(n - 1):
+        share = gains.a * problem.cable.mass * mesh[i, 0]
+        low = load(s.v, i, like)
+        up = load(s.v, i + 1, like)
+        store(s.x, i, axpy(share, mix(mesh[i, 1] - SHARE, low, SHARE, up), load(s.x, i, like)))
+        store(s.x, i + 1, scale(share, mix(1.0 - mesh[i, 1] - SHARE, up, SHARE, low)))
 
 
 @kernel

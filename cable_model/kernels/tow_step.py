@@ -6,6 +6,7 @@ With what it takes over from the other files this is the whole component: sizes,
 import math
 
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.error_control import MOST_STEPS
 from cable_model.kernels.header import (
     ERROR_SIZE,
     ERROR_TIME,
@@ -22,6 +23,7 @@ from cable_model.kernels.header import (
     STEP_TOO_SMALL,
     STEPS,
     TIME,
+    TOO_MANY_STEPS,
     TOP,
 )
 from cable_model.kernels.jit import kernel
@@ -237,6 +239,8 @@ def advance(parts, p, time, h, path, state, work):
         state[TIME] = time + h
         return OK
     y, frame = motion_of(parts.space, state)
+    if not p[0].solver.tolerance > 0.0 and h > MOST_STEPS * p[0].solver.time_step:
+        return failed(TOO_MANY_STEPS, state, time, 0.0)
     explicit = p[0].tow.explicit > 0.5
     tolerance = max(p[0].solver.tolerance, 0.0)
     fixed = not tolerance > 0.0
@@ -261,6 +265,8 @@ def advance(parts, p, time, h, path, state, work):
     j = (diagonal(0.0, places(y)), diagonal(0.0, places(y)))
     fresh = True
     while elapsed < h:
+        if steps + rejected > MOST_STEPS:
+            return failed(TOO_MANY_STEPS, state, time + elapsed, 0.0)
         goal = h if piece >= pieces else h * piece / pieces
         left = goal - elapsed
         size = left if wanted >= left * (1.0 - 1e-9) else (0.5 * left if wanted > 0.5 * left else wanted)
