@@ -75,7 +75,7 @@ def test_a_run_from_a_heap_on_the_seabed_stays_at_rest():
 
 
 def streaming(speed: float) -> np.ndarray:
-    """Force on the top of WIRE, straight above its anchor and off the seabed, in a current: integrated from the anchor, found by its end."""
+    """Force on the top of WIRE, straight above its anchor, no seabed, in a current: integrated from the anchor on."""
     cable = WIRE["cable"]
 
     def end(foot: np.ndarray) -> np.ndarray:
@@ -112,6 +112,7 @@ def test_a_slack_line_straight_above_its_anchor_streams_in_a_current(meshes):
     [
         (header.NO_EQUILIBRIUM, "Check the places of top, lower end and seabed, weight in water and current."),
         (header.WEIGHTLESS, "Give the cable or body some weight in water, or a current, or anchor the lower end."),
+        (header.NO_SLACK, 'Set solver.grid = "staggered", or check the places of top and lower end, weight in water and current.'),
         (header.BELOW_WAVES, "Set water.depth to the depth, or 0 for deep water, or give a seabed."),
     ],
 )

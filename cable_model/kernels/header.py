@@ -46,4 +46,5 @@ NO_WINCH = 5  # the winch turned, and there is none
 HAULED_IN = 6  # next to no cable is left
 WEIGHTLESS = 7  # no static equilibrium: nothing says where the cable rests
 BELOW_WAVES = 8  # the cable reaches below the bottom of the waves
-LAST_STATUS = BELOW_WAVES
+NO_SLACK = 9  # no static equilibrium on the box grid
+LAST_STATUS = NO_SLACK
