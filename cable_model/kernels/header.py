@@ -46,5 +46,5 @@ NO_WINCH = 5  # the winch turned, and there is none
 HAULED_IN = 6  # next to no cable is left
 WEIGHTLESS = 7  # no static equilibrium: nothing says where the cable rests
 BELOW_WAVES = 8  # the cable reaches below the bottom of the waves
-NO_SLACK = 9  # no static equilibrium on the box grid
+NO_SLACK = 9  # no static equilibrium, or only that of a column, of a cable that can be pressed
 LAST_STATUS = NO_SLACK
