@@ -35,13 +35,18 @@ def forcing(scene: Any, axes: str = "xyz") -> float:
     return max(found, default=0.0)
 
 
-def before_the_run(scene: Any, model: str) -> Iterator[str]:
-    """What a scene alone makes doubtful."""
+def _weights(scene: Any) -> tuple[float, float]:
+    """What cable and body weigh in the water, whether up or down, and in air, N."""
     cable, body, gravity = scene.cable, scene.body, scene.environment.gravity
     density = scene.water.density if scene.water is not None else 0.0
     dry = (cable.mass_per_length * cable.length + body.mass) * gravity
     weight = abs(cable.mass_per_length - density * cable.displaced_area) * cable.length + abs(body.mass - density * body.volume)
-    weight *= gravity
+    return weight * gravity, dry
+
+
+def before_the_run(scene: Any, model: str) -> Iterator[str]:
+    """What a scene alone makes doubtful."""
+    weight, dry = _weights(scene)
     held = is_on(BY_NAME["anchor"], scene, model) or is_on(BY_NAME["current"], scene, model)
     if weight <= NEUTRAL * dry and not held:
         yield (
@@ -63,6 +68,12 @@ def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[s
     if model != CHAIN:
         return
     tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
+    weight, dry = _weights(scene)
+    if weight <= NEUTRAL * dry and is_on(BY_NAME["anchor"], scene, model) and tensions[1] <= 2.0 * NEUTRAL * dry:
+        yield (
+            f"weight in water = {weight:.3g} N of a dry weight of {dry:.4g} N between two held ends: the slack cable rests in any shape, "
+            "and the run starts from one. Give the cable some weight, or a current."
+        )
     water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
     mean = max(0.5 * (tensions[0] + tensions[1]), 1e-3 * tensions[1])
     across = math.sqrt(mean / (cable.mass_per_length + water)) if mean > 0.0 else math.inf

@@ -24,6 +24,7 @@ _REASONS = {
     header.HAULED_IN: "the winch hauled in the whole cable",
     header.WEIGHTLESS: "no static equilibrium was found, and cable and body weigh less than a millionth of their weight in air",
     header.BELOW_WAVES: "no static equilibrium was found, and the cable is long enough to hang through the bottom of the waves",
+    header.NO_SLACK: "no static equilibrium was found for a cable that does not go slack",
     header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
     header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
 }
@@ -37,6 +38,7 @@ _REMEDIES = {
     header.WEIGHTLESS: "Give the cable or body some weight in water, or a current, or anchor the lower end",
     header.BELOW_WAVES: "Set water.depth to the depth, or 0 for deep water, or give a seabed",
     header.TOO_MANY_STEPS: "Raise solver.time_step, or solver.tolerance where the motion is a sequence of shocks, or take shorter steps",
+    header.NO_SLACK: 'Set solver.grid = "staggered" and cable.compressible = false, or check the places of both ends',
     header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
 }
 

@@ -43,6 +43,16 @@ def test_a_neutral_vehicle_on_a_neutral_tether_has_no_unique_rest():
     assert not list(before_the_run(with_values(load(NEUTRAL), {"current.speed": 0.1}), "chain"))
 
 
+def test_a_weightless_cable_that_is_slack_between_two_held_ends_rests_in_any_shape():
+    cable = {"cable.mass_per_length": 1025.0 * math.pi / 4.0 * 0.01**2, "lower_end.anchored": True, "lower_end.x": 50.0}
+    scene = with_values(from_dict({**WIRE, "water": {}}), cable)
+    (text,) = at_the_start(scene, "chain", outputs(0.0, 1e-7))
+    assert FORM.fullmatch(text)
+    assert text.startswith("weight in water = 0 N of a dry weight of 78.95 N between two held ends: ")
+    assert not list(at_the_start(scene, "chain", outputs(50.0, 50.0)))
+    assert not list(at_the_start(with_values(scene, {"cable.mass_per_length": 1.0}), "chain", outputs(0.0, 1e-7)))
+
+
 def test_a_step_of_fewer_than_twenty_in_a_period_is_told_and_its_remedy_is_none():
     (text,) = before_the_run(from_dict(swaying(5.0, time_step=0.5)), "chain")
     assert FORM.fullmatch(text)

@@ -142,14 +142,14 @@ def test_what_one_effect_shares_with_another_is_said_by_the_rows():
 
 # -- a row that is added
 
-ROW = '''    Effect(
+ROW = """    Effect(
         "ageing", "ageing of the cable", Given("cable.ageing"), ("cable.ageing",), models=(CHAIN,), grids=(STAGGERED,),
         numbers=("cable.ageing",), left_out={"cable.ageing": 0.0}, costs={"ageing": {"cable.ageing": 2.0}},
     ),
     Effect(
-        "winch",'''
-FIELD = '''    ageing: float = quantity("N.s2", "ageing (0 = none)", default=0.0, least=0.0)
-    compressible:'''
+        "winch","""
+FIELD = """    ageing: float = quantity("N.s2", "ageing (0 = none)", default=0.0, least=0.0)
+    compressible:"""
 ASKS = """
 import json, sys
 from cable_model.benchmark import CASES, scene_of

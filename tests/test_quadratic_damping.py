@@ -61,7 +61,6 @@ def test_a_payload_without_it_keeps_its_swing():
     assert found[:8] == pytest.approx(np.full(8, AMPLITUDE), rel=1e-3)
 
 
-
 @pytest.mark.parametrize(
     ("changes", "text"),
     [

@@ -86,7 +86,7 @@ def settle(parts, p, time, state, work):
         return header.BELOW_WAVES
     if parts.anchor is None and parts.current is None and _weightless(parts, p, problem):
         return header.WEIGHTLESS
-    return status
+    return status if parts.slack is not None else header.NO_SLACK
 
 
 @kernel

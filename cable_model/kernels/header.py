@@ -46,5 +46,6 @@ NO_WINCH = 5  # the winch turned, and there is none
 HAULED_IN = 6  # next to no cable is left
 WEIGHTLESS = 7  # no static equilibrium: nothing says where the cable rests
 BELOW_WAVES = 8  # the cable reaches below the bottom of the waves
-TOO_MANY_STEPS = 9  # a communication step that would not end
+NO_SLACK = 9  # no static equilibrium, or only that of a column, of a cable that can be pressed
+TOO_MANY_STEPS = 10  # a communication step that would not end
 LAST_STATUS = TOO_MANY_STEPS

@@ -50,7 +50,17 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
     easing = False
     failed = 0
     nodes = n
+    stuck = False
     for trial in range(PLAIN_STEPS + EASED_STEPS):
+        if not easing and (stuck or trial == PLAIN_STEPS):
+            easing = True
+            ease = 1.0
+            step = period
+            nodes = min(n, COARSE)
+            fill_mesh(mesh[: nodes - 1], grading, problem.cable.length, body_weight(problem.body), problem.cable.weight)
+            rest(anchor, problem, weight, mesh[: nodes - 1], y, yd, force, top)
+            _lay_again(parts, problem, mesh[: nodes - 1], anchor, top, s)
+            stiff = _first_bending(parts.bending, weight, problem, nodes - 1)
         now = cut_scratch(s.whole, nodes, top)
         close = (LOOSE if ease > 0.0 else 1e-10) * problem.cable.length / step  # positions to 1e-10 of the length
         to_place = eased(problem, ease, BLUNT * ease + LEAST_BLUNT if easing else 0.0, weight, stiff, close)
@@ -62,19 +72,9 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
         if status < 0:
             step *= 0.2
             failed = 2
-        if not easing and (step < 1e-9 * period or trial == PLAIN_STEPS - 1):
-            easing = True
-            ease = 1.0
-            step = period
-            nodes = min(n, COARSE)
-            fill_mesh(mesh[: nodes - 1], grading, problem.cable.length, body_weight(problem.body), problem.cable.weight)
-            rest(anchor, problem, weight, mesh[: nodes - 1], y, yd, force, top)
-            _lay_again(parts, problem, mesh[: nodes - 1], anchor, top, s)
-            stiff = _first_bending(parts.bending, weight, problem, nodes - 1)
-            continue
-        if step < 1e-9 * period:
-            return header.NO_EQUILIBRIUM
-        if status < 0:
+            stuck = step < 1e-9 * period
+            if stuck and easing:
+                return header.NO_EQUILIBRIUM
             continue
         keep_tensions(parts, to_place.numeric, mesh[: nodes - 1], force[: nodes - 1], now)
         for i in range(nodes - 1):
@@ -92,7 +92,12 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
         found = balanced or (step >= 1e5 * period and status <= 4)
         if ease == 0.0 and stiff >= goal and (found or (nodes < n and settled)):
             if nodes == n:
-                return header.OK
+                if not _buckled(parts.slack, parts, force, weight):
+                    return header.OK
+                if easing:
+                    return header.NO_EQUILIBRIUM
+                stuck = True
+                continue
             refine(problem, grading, nodes - 1, min(2 * nodes - 1, n), mesh, y, force, y1, yd1, top)
             nodes = min(2 * nodes - 1, n)
             _lay_again(parts, problem, mesh[: nodes - 1], anchor, top, s)
@@ -101,6 +106,17 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
         failed -= 1
         step = min(step * (4.0 if status <= 6 and not (easing and failed > 0) else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
+
+
+@kernel
+def _buckled(slack, parts, force, weight):
+    """Whether cells that can be pressed are, by more than any weight could press them: a column, which tips over at a touch."""
+    if slack is not None or parts.bending is not None:
+        return False
+    least = 0.0
+    for i in range(force.shape[0]):
+        least = min(least, force[i])
+    return least < -weight
 
 
 @kernel
