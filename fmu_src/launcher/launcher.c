@@ -123,8 +123,8 @@ static char *path_of(const char *uri)
 static int holds_the_slave(const char *folder)
 {
     char file[4096];
-    snprintf(file, sizeof file, "%s/slavemodule.txt", folder);
-    return *folder && access(file, R_OK) == 0;
+    int n = snprintf(file, sizeof file, "%s/slavemodule.txt", folder);
+    return *folder && n < (int)sizeof file && access(file, R_OK) == 0;
 }
 
 /* `up` folders above this library, and `below` from there */
