@@ -32,7 +32,7 @@ from fmu_src.interface import Variable, scene_from_values, table
 from fmu_src.model_description import model_description
 from fmu_src.order import Experiment, Phase, expect
 from fmu_src.precompiled import ObjectCode
-from fmu_src.state import ONLY_OWN, SavedState, StateError, impossible, pack, unpack
+from fmu_src.state import ONLY_OWN, TIMES, SavedState, StateError, checked, pack, unpack
 from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, same_text
 
 _FIRST_OUTPUT = len(INPUTS)
@@ -41,7 +41,6 @@ _EFFECTS = _CPU_TIME + 1
 _FIRST_PARAMETER = _EFFECTS + 1
 _INPUTS = range(_FIRST_OUTPUT)
 _CATEGORIES = {Fmi2Status.warning: "logStatusWarning", Fmi2Status.error: "logStatusError"}
-_TIMES = len(Experiment().numbers())
 
 
 class CallError(RuntimeError):
@@ -319,7 +318,7 @@ class CableSlave(Fmi2Slave):
         values = dict(zip(range(_FIRST_PARAMETER, len(self._rows)), saved.parameters.tolist(), strict=True))
         kept = {kind: self._of_kind(values, kind) for kind in ("Real", "Integer", "Boolean")}
         model = self._restored(saved, {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()})
-        times, reals = np.split(saved.numbers, [_TIMES])
+        times, reals = np.split(saved.numbers, [TIMES])
         self._phase = Phase(saved.phase)
         self._experiment = Experiment.from_numbers(times.tolist())
         self._outdated = True
@@ -352,24 +351,8 @@ class CableSlave(Fmi2Slave):
     @classmethod
     def _checked(cls, data: bytes) -> SavedState:
         """A state from bytes, checked whole.  Raises StateError."""
-        saved = unpack(data, cls._build())
         rows = table(cls._baked())
-        if (len(saved.numbers), len(saved.parameters)) != (_TIMES + _EFFECTS, len(rows) - _FIRST_PARAMETER):
-            raise impossible("size")
-        if saved.phase not in list(Phase) or (saved.phase > Phase.INITIALIZING and not len(saved.model)):
-            raise impossible("phase")
-        try:
-            Experiment.from_numbers(saved.numbers[:_TIMES].tolist())
-        except ValueError:
-            raise impossible("time") from None
-        variables = [*rows[:_EFFECTS], *rows[_FIRST_PARAMETER:]]
-        for row, value in zip(variables, [*saved.numbers[_TIMES:].tolist(), *saved.parameters.tolist()], strict=True):
-            whole = math.isfinite(value) and (row.kind == "Real" or (value.is_integer() and abs(value) < 2.0**31))
-            if not whole or (row.kind == "Boolean" and value not in (0.0, 1.0)):
-                raise impossible(row.name)
-        if not np.isfinite(saved.model).all():
-            raise impossible("cable")
-        return saved
+        return checked(unpack(data, cls._build()), rows[:_EFFECTS], rows[_FIRST_PARAMETER:])
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:

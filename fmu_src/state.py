@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from fmu_src.interface import Variable
+from fmu_src.order import Experiment, Phase
 
 _MAGIC = b"CABLEFMU"
 _VERSION = 2
 _HEAD = struct.Struct("<8sI16sIIII")  # magic, version, build, phase, fixed numbers, parameters, model state
 _CHECK = struct.Struct("<I")
+TIMES = len(Experiment().numbers())  # numbers of a saved state before those of the variables
 ONLY_OWN = "Restore only what the same FMU has saved."
 
 
@@ -19,7 +25,7 @@ class StateError(ValueError):
     """Bytes that are no state of this FMU; the text says why."""
 
 
-def impossible(part: str) -> StateError:
+def _impossible(part: str) -> StateError:
     """The error of a state whose part no instance can be in."""
     return StateError(f"saved state of {part!r}: must be one that this FMU can be in. {ONLY_OWN}")
 
@@ -61,3 +67,22 @@ def unpack(data: bytes, build: bytes) -> SavedState:
     numbers = np.frombuffer(data, dtype="<f8", count=sum(lengths), offset=_HEAD.size).astype(np.float64)
     first, second = lengths[0], lengths[0] + lengths[1]
     return SavedState(phase, numbers[:first], numbers[first:second], numbers[second:])
+
+
+def checked(saved: SavedState, values: Sequence[Variable], parameters: Sequence[Variable]) -> SavedState:
+    """A state that an instance can be in; `values` and `parameters` are the rows of its numbers.  Raises StateError."""
+    if (len(saved.numbers), len(saved.parameters)) != (TIMES + len(values), len(parameters)):
+        raise _impossible("size")
+    if saved.phase not in list(Phase) or (saved.phase > Phase.INITIALIZING and not len(saved.model)):
+        raise _impossible("phase")
+    try:
+        Experiment.from_numbers(saved.numbers[:TIMES].tolist())
+    except ValueError:
+        raise _impossible("time") from None
+    for row, value in zip((*values, *parameters), [*saved.numbers[TIMES:].tolist(), *saved.parameters.tolist()], strict=True):
+        whole = math.isfinite(value) and (row.kind == "Real" or (value.is_integer() and abs(value) < 2.0**31))
+        if not whole or (row.kind == "Boolean" and value not in (0.0, 1.0)):
+            raise _impossible(row.name)
+    if not np.isfinite(saved.model).all():
+        raise _impossible("cable")
+    return saved

@@ -449,10 +449,13 @@ def test_a_plain_host_runs_an_fmu_with_python_where_libpython_is_found(fmus: dic
 
     bare = run()
     assert bare.returncode == 1 and ("must be installed where this FMU runs" in bare.stderr or "libpython: must be found" in bare.stderr)
+    wrong = run(CABLE_FMU_LIBPYTHON="/nowhere/libpython.so")
+    assert wrong.returncode == 1 and "CABLE_FMU_LIBPYTHON = '/nowhere/libpython.so': must be the path of a libpython (" in wrong.stderr
     folder, packages = sysconfig.get_config_var("LIBDIR"), str(Path(np.__file__).parents[1])
     if not sysconfig.get_config_var("Py_ENABLE_SHARED"):
         pytest.skip("this Python is no library")
-    done = run(HOME=str(tmp_path), LD_LIBRARY_PATH=folder, PYTHONHOME=sys.base_prefix, PYTHONPATH=packages)
+    chosen = str(Path(folder) / sysconfig.get_config_var("INSTSONAME"))
+    done = run(HOME=str(tmp_path), CABLE_FMU_LIBPYTHON=chosen, PYTHONHOME=sys.base_prefix, PYTHONPATH=packages)
     assert (done.returncode, done.stderr) == (0, "")
     weight = float.fromhex(done.stdout.split()[OUTPUTS.index("top.force_z")])
     component = Component(Library(Path(fmu.folder), "TowCable"), fmu.description.guid)

@@ -15,7 +15,7 @@ from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.build import FLAGS, compiler, fmi_headers
 
 HERE = Path(__file__).resolve().parent
-SOURCES = (HERE / "launcher.c", HERE.parent / "native" / "log.h", HERE.parent / "native" / "absent.h")
+SOURCES = (HERE / "launcher.c", HERE / "place.h", HERE.parent / "native" / "log.h", HERE.parent / "native" / "absent.h")
 FOLDER = "binaries/linux64"
 
 
