@@ -82,6 +82,13 @@ def test_a_chain_that_is_dragged_and_held_keeps_its_tension(nodes, step):
     assert run["solver.rejected_steps"][-1] == 0
 
 
+def test_cells_and_steps_that_resolve_nothing_do_not_let_newton_go_to_and_fro():
+    """Of 10 m and 0.2 s: waves along the chain pass six cells within a step, and sliders turn round within an iteration."""
+    run = drive(make(LAID, solver__nodes=11, solver__time_step=0.2), every(0.2, 40.0), drags(0.0, PULL, 0.2))
+    assert run["solver.rejected_steps"][-1] == 0
+    assert run["solver.newton_iterations"][-1] <= 5 * run["solver.steps"][-1]
+
+
 def test_the_tension_decays_by_the_friction_of_each_metre_that_has_slid():
     model = make(LAID, solver__nodes=201)
     drive(model, every(0.1, 40.0), drags(0.0, PULL))

@@ -37,7 +37,9 @@ from cable_model.kernels.vector import (
 BASE = 5  # columns of the seabed's contact table, three each: xi
 BEFORE = 8  # P at the iteration before
 NOW = 11  # P at this one, and then as the velocities' change takes it on
-COLUMNS = 14
+TURNS = 14  # how often it has turned round in the iterations of this step
+WAIT = 15  # iterations for which it still takes the secant
+COLUMNS = 16
 
 LEVEL_WITH = 1e-6  # share of mu N by which a slider that holds may exceed it: rounding
 
@@ -59,6 +61,8 @@ def _start(friction, ground, length, like, contact, i):
     if ground.laid == 0.0:
         base = load_from(contact, i, BASE, like)
     store_from(contact, i, BEFORE, scale(ground.grip * length, base))
+    contact[i, TURNS] = 0.0
+    contact[i, WAIT] = 0.0
 
 
 start_slider = by_presence(_no_slider, _start)  # before the first iteration of a step
@@ -93,9 +97,16 @@ def _friction(friction, ground, gains, length, position, v, force, contact, i):
     t = scale(1.0 / size, pull)
     if dot(before, t) < 0.0:
         # it pulled the other way at the iteration before: the derivative there and here, next to 0, would let it go to and fro
+        contact[i, TURNS] += 1.0
+        contact[i, WAIT] = 2.0 ** contact[i, TURNS] - 1.0
         chord = (limit + min(limit, norm(before))) / norm(sub(pull, before))
         return scale(ground.friction, t), zero(v), scale_matrix(by * chord, level)
-    return scale(ground.friction, t), zero(v), scale_matrix(by * limit / size, add_matrix(level, scale_matrix(-1.0, outer(t, t))))
+    firm = level
+    if contact[i, WAIT] > 0.0:
+        contact[i, WAIT] -= 1.0  # the secant from 0, whose steps never go too far
+    else:
+        firm = add_matrix(level, scale_matrix(-1.0, outer(t, t)))
+    return scale(ground.friction, t), zero(v), scale_matrix(by * limit / size, firm)
 
 
 friction_of = by_presence(_no_friction, _friction)  # per N; what does not go with N; the derivative of both by the velocity at fixed N
