@@ -84,7 +84,8 @@ BUSY: Life = [
 class Run:
     """One instance under one sequence."""
 
-    def __init__(self, library: Library, guid: str) -> None:
+    def __init__(self, library: Library, guid: str, chain: bool) -> None:
+        self.chain = chain
         self.component = Component(library, guid, logging=0)
         assert self.component.at is not None, self.component.texts
         self.states = [ctypes.c_void_p() for _ in range(3)]
@@ -148,11 +149,12 @@ class Run:
         self._told(self.component.call(name))
 
     def _initialize(self) -> None:
-        self._told(self.component.call("Reset"))
-        self._setup(0.0, None)
-        self._told(self.component.set("Integer", [PLACE["solver.nodes"]], [11]))
-        for name in ("EnterInitializationMode", "ExitInitializationMode"):
-            self._call(name)
+        """Whatever was before: reset, it is as new."""
+        assert self.component.call("Reset") == OK
+        self.due = 0.0
+        if self.chain:
+            assert self.component.set("Integer", [PLACE["solver.nodes"]], [11]) == OK
+        assert self.component.initialize() == OK, self.component.texts
 
     def _log(self, on: int, categories: list[str | None]) -> None:
         self._told(self.component.choose(on, *(None if name is None else name.encode() for name in categories)))
@@ -212,7 +214,7 @@ def main(folder: str, identifier: str, guid: str, count: str, breadcrumb: str) -
     library, ran = Library(Path(folder), identifier), []
 
     def one(operations: Life) -> None:
-        run = Run(library, guid)
+        run = Run(library, guid, identifier == "CableChain")
         try:
             for operation in operations:
                 run.do(operation)
