@@ -23,6 +23,7 @@ __all__ = [
     "Instance",
     "a_mooring_follows_the_top_during_initialization",
     "assert_same",
+    "goes_on_from_a_state_saved_in_a_sliver",
     "outputs_follow_what_is_set_during_initialization",
     "recovers",
     "refused",
@@ -133,6 +134,32 @@ def started(fmu: Fmu, values: dict[str, Any] | None = None, steps: int = 5) -> I
     instance.run(steps)
     instance.messages.clear()
     return instance
+
+
+def goes_on_from_a_state_saved_in_a_sliver(fmu: Fmu) -> None:
+    """Bit for bit, in the same instance and in another: the time that waits for the next internal step is part of the state."""
+
+    def take(which: Instance, time: float, steps: tuple[float, ...]) -> np.ndarray:
+        rows = []
+        for step in steps:
+            rows.append(which.step(time, step, sway(time)))
+            time += step
+        return np.array(rows)
+
+    instance, other = fmu.instance(), fmu.instance()
+    before, after = (0.05, 0.05, 1e-9, 0.05, 1e-8), (1e-9, 0.05, 1e-3, 0.05)
+    instance.initialize(None, sway(0.0))
+    counts = take(instance, 0.0, before)[:, OUTPUTS.index("solver.steps")]
+    assert counts[2] == counts[1] and counts[4] == counts[3]
+    state = instance.slave.getFMUstate()
+    data, saved_at = instance.slave.serializeFMUstate(state), sum(before)
+    expected = take(instance, saved_at, after)
+    instance.slave.setFMUstate(state)
+    assert np.array_equal(take(instance, saved_at, after), expected)
+    other.slave.setFMUstate(other.slave.deSerializeFMUstate(data))
+    assert np.array_equal(take(other, saved_at, after), expected)
+    instance.close()
+    other.close()
 
 
 def undisturbed_runs(fmus: Mapping[str, Fmu]) -> dict[str, np.ndarray]:

@@ -11,7 +11,7 @@ import fmpy
 import numba
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, Instance, assert_same, started, sway
+from fmu_support import FMICallException, Fmu, Instance, assert_same, goes_on_from_a_state_saved_in_a_sliver, started, sway
 from native_support import KEYS, lean, library_of, only_where_they_run, values_of
 from test_fmu_input import STEP
 
@@ -211,6 +211,10 @@ def test_a_restored_run_is_bit_identical(fmu: Fmu, order: int):
     assert np.array_equal(other.run(20, first=7), expected)
     instance.close()
     other.close()
+
+
+def test_a_state_saved_in_a_sliver_goes_on_bit_for_bit(fmu: Fmu):
+    goes_on_from_a_state_saved_in_a_sliver(fmu)
 
 
 @pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])

@@ -17,6 +17,7 @@ from fmu_support import (
     Instance,
     a_mooring_follows_the_top_during_initialization,
     assert_same,
+    goes_on_from_a_state_saved_in_a_sliver,
     outputs_follow_what_is_set_during_initialization,
     sway,
 )
@@ -176,6 +177,10 @@ def test_a_restored_run_is_bit_identical(fmu: Fmu):
     assert np.array_equal(instance.run(20, first=10), ahead)
     instance.slave.freeFMUstate(state)
     instance.close()
+
+
+def test_a_state_saved_in_a_sliver_goes_on_bit_for_bit(fmu: Fmu):
+    goes_on_from_a_state_saved_in_a_sliver(fmu)
 
 
 def test_a_serialized_state_goes_on_in_another_instance(fmu: Fmu):
