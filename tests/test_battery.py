@@ -105,6 +105,29 @@ def test_what_rests_goes_on_resting(case):
         close(scene, run.table, np.repeat(run.table[:1], len(run.rows), axis=0), 1e-6)
 
 
+@battery
+@given(scenes())
+def test_what_hangs_freely_weighs_what_it_weighs(case):
+    """In still water far from surface and bottom the top carries the weight less the buoyancy, whatever else is simulated."""
+    model, scene = told(case)
+    if scene.waves.amplitude or scene.waves.spectrum != "none" or scene.lower_end.anchored or scene.lower_end.release_force:
+        return
+    if scene.current.speed or scene.current.levels or scene.seabed.stiffness or not scene.tow.cable_mass or scene.tow.minimum_tension:
+        return
+    cable, body = scene.cable, scene.body
+    density = scene.water.density if scene.water is not None else 0.0
+    weights = (cable.mass_per_length - density * cable.displaced_area) * cable.length, body.mass - density * body.volume
+    weight = sum(weights) * scene.environment.gravity
+    if min(weights) < 0.0 or weight == 0.0:
+        return
+    run = Run(model, scene, lambda time: np.array([0.0, 0.0, -2.0 * cable.length, *[0.0] * 7]))
+    assert not run.failed
+    force = run.table[0, :4]
+    strain = weight / cable.axial_stiffness
+    assert force == pytest.approx([0.0, 0.0, -weight, weight], rel=1e-9, abs=1e-9 * weight)
+    assert -run.table[0, 7] - 2.0 * cable.length == pytest.approx(cable.length, rel=2e-3 + 2.0 * strain)
+
+
 @pytest.mark.skipif(PLAIN, reason="this is such a process")
 @pytest.mark.parametrize("name", BATTERIES)
 @pytest.mark.parametrize("examples", [15, pytest.param(750, marks=pytest.mark.long)])
