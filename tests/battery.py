@@ -38,6 +38,7 @@ OTHER_CASES: Mapping[str, Mapping[str, Any]] = {
     "top in air": {"top.position": (0.0, 0.0, 0.3), "water.density": 1000.0},
 }
 CASES = {**COST_CASES, **OTHER_CASES}
+ARITHMETIC = ("math domain error", "math range error", "division by zero", "float division by zero")
 VARIED = (
     "cable.length", "cable.mass_per_length", "cable.axial_stiffness", "cable.diameter", "body.mass", "environment.gravity",
     "cable.bending_stiffness", "seabed.stiffness", "current.speed", "waves.amplitude", "waves.period", "cable.axial_damping",
@@ -143,6 +144,10 @@ class Run:
         try:
             call()
         except (ParameterError, SolverError) as error:
+            self.failed = str(error)
+        except (ArithmeticError, ValueError) as error:  # where compiled code goes on with a NaN, to try a smaller step
+            if str(error) not in ARITHMETIC:
+                raise
             self.failed = str(error)
         else:
             self.rows.append(self.model.outputs.copy())

@@ -133,7 +133,7 @@ def test_what_hangs_freely_weighs_what_it_weighs(case):
 @pytest.mark.parametrize("examples", [15, pytest.param(750, marks=pytest.mark.long)])
 def test_in_plain_python(name: str, examples: int):
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", f"{__file__}::{name}"],
+        [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", f"{__file__}::{name}"],
         env={**os.environ, "NUMBA_DISABLE_JIT": "1", "BATTERY_EXAMPLES": str(examples)}, cwd=Path(__file__).parents[1],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
