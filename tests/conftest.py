@@ -17,6 +17,13 @@ from fmu_src.native import build
 ROOT = Path(__file__).resolve().parent.parent
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """One worker builds the generic FMUs, once, and runs their tests: the others would wait for it."""
+    for item in items:
+        if {"fmu", "fmus", "native"} & set(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.xdist_group("native"))
+
+
 @pytest.fixture(scope="session")
 def build_fmu() -> ModuleType:
     """The top-level script build_fmu.py as a module."""

@@ -37,7 +37,7 @@ def test_the_pipes_load_in_a_wave_of_one_metre_is_the_reported_one_over_five():
     assert pytest.approx(4366.0, abs=1.0) == 5.0 * PER_METRE
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", [pytest.param(v, marks=pytest.mark.long) if "space" in v else v for v in VARIANTS])
 def test_a_vertical_pipe_feels_the_difference_of_the_waves_pressure_at_its_ends(variant):
     assert vertical_load(variant, 0.05) == pytest.approx(0.05 * PER_METRE, rel=0.01)
 

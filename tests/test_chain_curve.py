@@ -64,6 +64,7 @@ def test_a_load_bounces_with_the_slope_of_the_table_where_it_hangs():
     assert frequency == pytest.approx(np.sqrt(slope / (10.0 * (30.0 + 0.1 / 3.0))), rel=3e-3)
 
 
+@pytest.mark.long
 def test_a_straight_table_is_the_linear_law():
     straight = make(ROPE, cable__stiffness_curve=[[0.0, 0.0], [0.05, 500.0], [0.1, 1000.0]])
     linear = make(ROPE, cable__stiffness_curve=[])

@@ -159,6 +159,17 @@ def test_slivers_among_regular_steps_leave_the_tension_alone(order, sliver):
     assert found[1][-1, OUTPUTS.index("solver.steps")] <= regular[1][-1, OUTPUTS.index("solver.steps")]
 
 
+@pytest.mark.parametrize("kind", [*MODELS, "wire"])
+@pytest.mark.parametrize("sliver", [1e-12, 1e-6])
+def test_a_run_may_begin_with_slivers(kind, sliver):
+    model, motion = MODELS[kind]() if kind in MODELS else chain(kind)
+    model.initialize(motion(0.0))
+    first = model.outputs.copy()
+    for _ in range(3):
+        model.step(0.0, sliver, motion(0.0))
+        assert model.outputs[:15] == pytest.approx(first[:15], rel=1e-6, abs=1e-6)
+
+
 @pytest.mark.parametrize("kind", MODELS)
 def test_a_state_saved_while_time_is_pending_goes_on_bit_for_bit(kind):
     model, motion = MODELS[kind]()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from native_support import only_where_they_run
 from typer.testing import CliRunner
 
 from cable_model import CableChain, TowCable, load, simulate
@@ -215,7 +216,7 @@ def test_the_chain_sees_what_the_tow_model_sees():
     assert told(scene, only, steps=5, kind=CableChain) == told(scene, only, steps=5)
 
 
-@pytest.mark.parametrize("flavour", ["fmus", "native"])
+@pytest.mark.parametrize("flavour", ["fmus", pytest.param("native", marks=only_where_they_run)])
 @pytest.mark.parametrize("key", ["chain", "tow"])
 def test_every_fmu_logs_each_doubt_once(request: pytest.FixtureRequest, flavour: str, key: str):
     instance = request.getfixturevalue(flavour)[key].instance()

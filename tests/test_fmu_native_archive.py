@@ -71,6 +71,7 @@ def test_the_library_names_no_folder_of_this_machine(fmu: Fmu):
         assert len(folder.parts) < 3 or str(folder).encode() not in code
 
 
+@pytest.mark.long
 def test_the_same_kernels_give_the_same_bytes_in_another_process_and_folder(
     native: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ):

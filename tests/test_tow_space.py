@@ -60,6 +60,7 @@ def symbolic_equations():
     return t, constants, top, e, coordinates, left
 
 
+@pytest.mark.long
 def test_accelerations_are_those_of_the_symbolic_lagrangian():
     """Forces of water and spring enter by virtual work, which the power balance tests."""
     t, constants, top, e, (phi, psi, u), left = symbolic_equations()

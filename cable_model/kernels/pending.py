@@ -60,8 +60,10 @@ def followed(path, span, bridge, pending, time, k):
 
 @kernel
 def tensions_ahead(state, c):
-    """From the averaged time of the last internal step to now, over the time between the averaged times of the last two."""
+    """From the averaged time of the last internal step to now, over the time between the averaged times of the last two; 0 before it."""
     last, lag, lag_before, pending = state[STEP], state[LAG], state[LAG_BEFORE], state[PENDING]
     if lag == lag_before == c.alpha_k * last and pending == 0.0:
         return c.alpha_k
+    if last == 0.0:
+        return 0.0
     return (lag + pending) / (last - lag + lag_before)
