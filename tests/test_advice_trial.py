@@ -13,6 +13,8 @@ from cable_model.studies.timed import SIGNALS, worst
 
 CHAIN = "free chain above its second mode"
 
+pytestmark = pytest.mark.xdist_group("advice")  # one worker makes the trial
+
 
 @pytest.fixture(scope="module")
 def row():
