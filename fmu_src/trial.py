@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from cable_model.effects import used_by
 from cable_model.fmu_check import sampled_motion, simulate_fmu
+from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.plots import picture
 from cable_model.scene import load
@@ -21,15 +23,19 @@ def _ends(run: Result) -> np.ndarray:
 
 
 def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[str, Result]:
-    """Simulate FMUs, with the scene's values as parameters, under the scene's top motion; writes CSV files and a picture to `folder`."""
+    """Simulate FMUs, by their types' names, under the scene's top motion; writes CSV files and a picture to `folder`.
+
+    Parameters are the scene's values that the FMU's model has a use for.
+    """
     scene = load(scene_name)
-    parameters = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
+    keys = {kind.__name__: key for key, kind in MODELS.items()}
     times, inputs = sampled_motion(top_motion(scene.top, scene.winch), scene.run.duration, scene.run.output_step)
     stem = Path(scene_name).stem
     folder.mkdir(parents=True, exist_ok=True)
     results = {}
     for name, path in fmus.items():
-        columns, numbers = simulate_fmu(path, times, inputs, parameters)
+        asked = [row for row in table(scene) if row.causality == "parameter" and keys[name] in used_by(row.scene_name)]
+        columns, numbers = simulate_fmu(path, times, inputs, {row.name: row.start for row in asked})
         run = Result(columns, numbers, np.empty((0, 0, 3)))
         results[name] = Result(columns, numbers, _ends(run))
         write_csv(folder / f"{stem}_{name}.csv", columns, numbers)

@@ -8,6 +8,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from fmu_support import Fmu
 from typer.testing import CliRunner
 
 from cable_model.cli import app
@@ -17,6 +18,7 @@ from cable_model.motion import top_motion
 from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.signals import INPUTS
 from cable_model.simulation import simulate, write_csv
+from fmu_src import trial
 
 CIRCLE = with_values(load("dale_sphere"), {"run.duration": 12.0})
 
@@ -86,3 +88,14 @@ def test_recorded_rows_give_back_the_motion_between_them():
     finer, rows = divided(times, inputs, between, 4)
     assert len(finer) == 4 * 30 + 1 and np.array_equal(rows[::4], inputs)
     assert rows == pytest.approx(np.array([motion(t) for t in finer]), abs=1e-6)
+
+
+def test_the_first_command_of_the_readme_simulates_both_models(fmus: dict[str, Fmu], tmp_path):
+    """Each with the values of the scene that its model has a use for; both hang the sphere at the end of 2.74 m."""
+    found = trial.simulate({fmu.path.stem: fmu.path for fmu in fmus.values()}, "dale_sphere", tmp_path)
+    assert sorted(found) == ["CableChain", "TowCable"]
+    for run in found.values():
+        assert run["time"][-1] == 120.0
+        assert run["top.z"][0] - run["body.z"][0] == pytest.approx(2.7432, rel=1e-3)
+    assert found["CableChain"]["body.x"] == pytest.approx(found["TowCable"]["body.x"], abs=0.05)
+    assert len(list(tmp_path.glob("*.csv"))) == 2

@@ -14,7 +14,7 @@ from cable_model.kernels.staggered_guess import refine, rest
 from cable_model.kernels.staggered_step import cut_scratch, keep_tensions, newton_step
 from cable_model.kernels.vector import load, norm, store, zero
 
-PLAIN_STEPS = 150  # pseudo-steps with the laws as they are: few scenes take half as many
+PLAIN_STEPS = 150  # pseudo-steps with the laws as they are, before they are eased
 EASED_STEPS = 1500  # and with eased laws, over all meshes
 FIRST_BENDING = 1e-3  # of W h^2: bending that moves no node of the hanging chain by much of a cell
 BENDING_FACTOR = 4.0  # the next bending stiffness over one whose equilibrium is found
