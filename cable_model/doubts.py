@@ -17,7 +17,6 @@ from cable_model.kernels import header
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import is_on
 
-NEUTRAL = 1e-6  # share of the dry weight below which a weight in water is one of rounding and of measured densities
 FEWEST_STEPS = 20  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 LONGEST_PHASE = 1.0  # rad of a wave in a cell: 26 graded nodes have it in the eighth mode of a hanging chain, whose frequency errs by 0.2 %
 FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
@@ -35,24 +34,8 @@ def forcing(scene: Any, axes: str = "xyz") -> float:
     return max(found, default=0.0)
 
 
-def _weights(scene: Any) -> tuple[float, float]:
-    """What cable and body weigh in the water, whether up or down, and in air, N."""
-    cable, body, gravity = scene.cable, scene.body, scene.environment.gravity
-    density = scene.water.density if scene.water is not None else 0.0
-    dry = (cable.mass_per_length * cable.length + body.mass) * gravity
-    weight = abs(cable.mass_per_length - density * cable.displaced_area) * cable.length + abs(body.mass - density * body.volume)
-    return weight * gravity, dry
-
-
-def before_the_run(scene: Any, model: str) -> Iterator[str]:
+def before_the_run(scene: Any) -> Iterator[str]:
     """What a scene alone makes doubtful."""
-    weight, dry = _weights(scene)
-    held = is_on(BY_NAME["anchor"], scene, model) or is_on(BY_NAME["current"], scene, model)
-    if weight <= NEUTRAL * dry and not held:
-        yield (
-            f"weight in water = {weight:.3g} N of a dry weight of {dry:.4g} N: there is no unique rest position, and rounding decides "
-            "where the run starts. Give cable or body some weight, or a current."
-        )
     step, omega = min(scene.solver.time_step, scene.run.output_step), forcing(scene)
     if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
         period = 2.0 * math.pi / omega
@@ -68,12 +51,6 @@ def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[s
     if model != CHAIN:
         return
     tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
-    weight, dry = _weights(scene)
-    if weight <= NEUTRAL * dry and is_on(BY_NAME["anchor"], scene, model) and tensions[1] <= 2.0 * NEUTRAL * dry:
-        yield (
-            f"weight in water = {weight:.3g} N of a dry weight of {dry:.4g} N between two held ends: the slack cable rests in any shape, "
-            "and the run starts from one. Give the cable some weight, or a current."
-        )
     water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
     mean = max(0.5 * (tensions[0] + tensions[1]), 1e-3 * tensions[1])
     across = math.sqrt(mean / (cable.mass_per_length + water)) if mean > 0.0 else math.inf
@@ -100,6 +77,10 @@ SEEN = (
     "Set water.surface = true where the model and the grid have it (CableChain, staggered).",
     "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
     "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. Check the unit of cable.axial_stiffness (N).",
+    "weight in water = %.3g N of a mass of %.4g kg: there is no unique rest position, and rounding decides where the run starts. "
+    "Give cable or body some weight, or a current.",
+    "weight in water = %.3g N of a mass of %.4g kg between two held ends: the slack cable rests in any shape, and the run starts from one. "
+    "Give the cable some weight, or a current.",
 )
 
 

@@ -93,7 +93,7 @@ class Model:
         self.state[:] = 0.0
         self._must(self._calls.start(float(time), inputs), time)
         if hasattr(self, "scene"):  # one that is made from numbers has none
-            self._at_start = (*before_the_run(self.scene, self.name), *at_the_start(self.scene, self.name, self.outputs.tolist()))
+            self._at_start = (*before_the_run(self.scene), *at_the_start(self.scene, self.name, self.outputs.tolist()))
 
     def warnings(self) -> tuple[str, ...]:
         """What is doubtful about the run so far; none before `initialize`."""

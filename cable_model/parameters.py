@@ -213,7 +213,9 @@ class Solver:
         "", "member of the generalized-alpha family", default="generalized-alpha",
         choices=INTEGRATORS,
     )  # fmt: skip
-    tolerance: float = quantity("1", "error tolerance in time (0 = fixed step)", default=0.0, least=0.0, most=1.0)
+    tolerance: float = quantity(
+        "1", "error tolerance in time (0 = fixed step)", default=0.0, least=0.0, most=0.1, remedy="Above 0.1 nothing would be controlled."
+    )
     slack_smoothing: float = quantity("1", "width of the slack law over the weight", default=1e-3, above=0.0, most=1.0)
     slack_damping: float = quantity("1", "axial damping of the slack law over h sqrt(EA m)", default=0.1, least=0.0, most=10.0)
     space: bool = quantity("", "whether the cable may leave the vertical plane", default=False)

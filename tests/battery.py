@@ -70,6 +70,12 @@ def scenes(draw: st.DrawFn) -> tuple[str, Scene]:
     return model, scene
 
 
+def is_calm(scene: Scene) -> bool:
+    """Whether nothing but the top moves the cable: no waves, and no end that is let go."""
+    waves = scene.waves.amplitude or scene.waves.spectrum != "none" or scene.waves.table
+    return not (waves or scene.lower_end.released or scene.lower_end.release_force)
+
+
 def unit_factor(unit: str, mass: float, length: float, time: float) -> float:
     """By how much a number of that unit grows where the units of mass, length and time shrink by these factors."""
     if unit in ("", "1", "rad"):
@@ -136,13 +142,13 @@ class Run:
         self.steps = 0
         self.rows: list[np.ndarray] = []
         self.failed = ""
-        self._try(lambda: self.model.initialize(self.inputs(0.0)))
+        self._try(self.model.initialize, self.inputs(0.0))
 
-    def _try(self, call: Callable[[], None]) -> None:
+    def _try(self, call: Callable[..., None], *arguments: object) -> None:
         if self.failed:
             return
         try:
-            call()
+            call(*arguments)
         except (ParameterError, SolverError) as error:
             self.failed = str(error)
         except (ArithmeticError, ValueError) as error:  # where compiled code goes on with a NaN, to try a smaller step
@@ -156,7 +162,7 @@ class Run:
     def go(self, steps: int) -> Run:
         for _ in range(steps):
             time = self.steps * self.step
-            self._try(lambda time=time: self.model.step(time, self.step, self.inputs(time)))  # type: ignore[misc]
+            self._try(self.model.step, time, self.step, self.inputs(time))
             self.steps += 1
         return self
 

@@ -23,6 +23,7 @@ __all__ = [
     "Instance",
     "a_mooring_follows_the_top_during_initialization",
     "assert_same",
+    "fresh",
     "goes_on_from_a_state_saved_in_a_sliver",
     "outputs_follow_what_is_set_during_initialization",
     "recovers",
@@ -250,3 +251,11 @@ def catenary_force(span: float, drop: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if 2.0 * middle * np.sinh(span / (2.0 * middle)) > wanted else (low, middle)
     return weight * low
+
+
+def fresh(fmu: Fmu, steps: int = 20, values: dict[str, object] | None = None) -> np.ndarray:
+    instance = fmu.instance()
+    instance.initialize(values, sway(0.0))
+    result = instance.run(steps)
+    instance.close()
+    return result

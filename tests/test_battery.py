@@ -14,7 +14,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from battery import UNITS, Run, in_other_units, scenes, top_motion, unit_factor
+from battery import UNITS, Run, in_other_units, is_calm, scenes, top_motion, unit_factor
 from hypothesis import HealthCheck, given, note, settings
 from hypothesis import strategies as st
 
@@ -96,7 +96,7 @@ def test_a_saved_state_is_the_whole_state(case, when):
 def test_what_rests_goes_on_resting(case):
     """Statics and dynamics are of one mind: under a top that stays, in still or steadily flowing water, nothing moves."""
     model, scene = told(case)
-    if scene.waves.amplitude or scene.waves.spectrum != "none" or scene.lower_end.released or scene.lower_end.release_force:
+    if not is_calm(scene):
         return
     still = top_motion(scene)(0.0)
     run = Run(model, scene, lambda time: still).go(4)
@@ -110,7 +110,7 @@ def test_what_rests_goes_on_resting(case):
 def test_what_hangs_freely_weighs_what_it_weighs(case):
     """In still water far from surface and bottom the top carries the weight less the buoyancy, whatever else is simulated."""
     model, scene = told(case)
-    if scene.waves.amplitude or scene.waves.spectrum != "none" or scene.lower_end.anchored or scene.lower_end.release_force:
+    if not is_calm(scene) or scene.lower_end.anchored:
         return
     if scene.current.speed or scene.current.levels or scene.seabed.stiffness or not scene.tow.cable_mass or scene.tow.minimum_tension:
         return

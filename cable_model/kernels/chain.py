@@ -9,7 +9,6 @@ from cable_model.kernels.chain_outputs import node_positions, outputs, winding_n
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.error_control import (
     GROWTH,
-    LARGEST_TOLERANCE,
     MOST_STEPS,
     SOLVED,
     Trials,
@@ -22,7 +21,7 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
 from cable_model.kernels.pending import build_bridge, followed, is_short, wait
-from cable_model.kernels.problem import body_mass, body_weight
+from cable_model.kernels.problem import is_neutral
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
@@ -31,7 +30,6 @@ from cable_model.kernels.watch import open_bottom
 # what a model calls
 __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
 
-NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is rounding
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
@@ -84,16 +82,10 @@ def settle(parts, p, time, state, work):
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and state[header.TOP + 2] - problem.cable.length < -depth:
         return header.BELOW_WAVES
-    if parts.anchor is None and parts.current is None and _weightless(parts, p, problem):
+    neutral, _, _ = is_neutral(parts, p)
+    if parts.anchor is None and parts.current is None and neutral:
         return header.WEIGHTLESS
     return status if parts.slack is not None else header.NO_SLACK
-
-
-@kernel
-def _weightless(parts, p, problem):
-    cable = problem.cable
-    dry = (cable.mass * cable.length + body_mass(problem.body)) * cable.gravity
-    return abs(cable.weight) * cable.length + abs(body_weight(problem.body)) <= NEUTRAL * dry
 
 
 @kernel
@@ -293,7 +285,7 @@ def advance(parts, p, time, span, path, state, work):
         return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
-    tolerance = min(p[0].solver.tolerance, LARGEST_TOLERANCE)
+    tolerance = p[0].solver.tolerance
     gravity = problem.cable.gravity
     longest = _natural_step(p, problem.cable)
     smallest = SMALLEST_STEP * p[0].solver.time_step

@@ -12,7 +12,6 @@ from cable_model.kernels.jit import kernel
 
 TOLERATED = 0.025  # such that tips and bodies keep within solver.tolerance of their motion, and tensions within a few times it
 LEAST_MOTION = 0.01  # of g: errors are relative to the motion, but not to next to nothing
-LARGEST_TOLERANCE = 0.1  # above it nothing is controlled
 SOLVED = 0.1  # share of the allowed error of a step that Newton's method may leave
 MOST_STEPS = 1000000  # in a communication step, of both models: a host that waits for more waits for ever
 REJECTED = 2.0  # allowed errors above which a step is taken again

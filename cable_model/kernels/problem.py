@@ -5,6 +5,7 @@ from typing import NamedTuple
 from cable_model.kernels.choice import without
 from cable_model.kernels.jit import kernel
 
+NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is one of rounding and of measured densities
 in_calm_water = without("waves", "finite_depth", "stretched", "cut")  # the same parts without waves
 
 
@@ -92,6 +93,16 @@ def body_mass(body):
     if body is None:
         return 0.0
     return body.mass
+
+
+@kernel
+def is_neutral(parts, p):
+    """Whether cable and body weigh next to nothing in the water, either way; and what they weigh, N, and their mass, kg."""
+    cable = cable_part(parts.water, p)
+    body = body_part(parts.body, parts.water, p)
+    weight = abs(cable.weight) * cable.length + abs(body_weight(body))
+    mass = cable.mass * cable.length + body_mass(body)
+    return weight <= NEUTRAL * mass * cable.gravity, weight, mass
 
 
 @kernel

@@ -8,9 +8,10 @@ import math
 
 from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import NEUTRAL, is_neutral
 from cable_model.kernels.waves import DEPTH
 
-JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN = range(6)  # kinds of doubt
+JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE = range(8)  # kinds of doubt
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
@@ -99,8 +100,23 @@ def open_bottom(finite_depth, seabed, waves):
 
 
 @kernel
+def _watch_rest(parts, p, state, largest):
+    """Whether the state that a run starts from is the only one at rest; `largest` is the largest tension in it."""
+    neutral, weight, mass = is_neutral(parts, p)
+    if not neutral:
+        return
+    if parts.anchor is not None:
+        if largest <= 2.0 * NEUTRAL * mass * p[0].environment.gravity:
+            _note(state, ANY_SHAPE, weight, mass)
+    elif parts.current is None:
+        _note(state, ANY_PLACE, weight, mass)
+
+
+@kernel
 def watch_outputs(parts, p, state, outputs):
     """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
+    if state[STEPS] == 0.0:
+        _watch_rest(parts, p, state, outputs[12])
     allowed = EMERGED * p[0].cable.length if state[STEPS] > 0.0 else 0.0  # where a run starts above the water, it is meant to
     lower_z = outputs[7]
     highest = max(state[TOP + 2], lower_z)
