@@ -23,7 +23,7 @@ class JustInTime:
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
         self.top_speed = 0.0
-        self._path = np.zeros((6, 4))
+        self._path = np.zeros((top.ROWS, 4))
         self._end = np.zeros(9)
 
     def start(self, time: float, inputs: np.ndarray) -> int:

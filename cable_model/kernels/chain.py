@@ -23,7 +23,7 @@ from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
 from cable_model.kernels.pending import build_bridge, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
 from cable_model.kernels.staggered_step import Winding, with_tolerance
-from cable_model.kernels.top import WINCH, evaluate, leaves_plane, winch_turns
+from cable_model.kernels.top import WINCH, arrival, leaves_plane, winch_turns
 from cable_model.kernels.vector import axpy, sub
 from cable_model.kernels.watch import open_bottom
 
@@ -102,11 +102,7 @@ def set_off(parts, p, time, state, work):
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
-    state[header.TIME] = time
-    for k in (header.STEP, header.NEXT_STEP, header.STEPS, header.NEWTON, header.REJECTED, header.LAST_ERROR, header.LARGEST_MOTION):
-        state[k] = 0.0
-    for k in (header.PENDING, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP):
-        state[k] = 0.0
+    header.start_clock(state, time)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
 
@@ -242,7 +238,7 @@ def _winch_refused(winch, path, length):
     """Whether the path asks for a winch that is not there, or for more cable than there is."""
     if winch is None:
         return header.NO_WINCH if winch_turns(path) else header.OK
-    paid_out, _, _ = evaluate(path, 1.0, 1.0, WINCH)
+    paid_out, _, _ = arrival(path, WINCH)
     return header.OK if length + paid_out > LEAST_LENGTH * length else header.HAULED_IN
 
 
@@ -378,13 +374,13 @@ def advance(parts, p, time, span, path, state, work):
 def _go_on(parts, problem, view, state, time, span, path):
     """Clock, top and winch at the end of the path."""
     _winding(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
-    paid_out, speed, acceleration = evaluate(path, span, 1.0, WINCH)
+    paid_out, speed, acceleration = arrival(path, WINCH)
     state[header.PAID_OUT] = paid_out
     state[header.WINCH_SPEED] = speed
     state[header.WINCH_ACCELERATION] = acceleration
     state[header.TIME] = time + span
     for k in range(3):
-        position, velocity, acceleration = evaluate(path, span, 1.0, k)
+        position, velocity, acceleration = arrival(path, k)
         state[header.TOP + k] = position
         state[header.TOP + 3 + k] = velocity
         state[header.TOP + 6 + k] = acceleration

@@ -10,8 +10,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
-
-PATH = 24  # numbers of a path of the top
+from cable_model.kernels.top import PATH, ROWS
 
 
 class View(NamedTuple):
@@ -29,7 +28,7 @@ class View(NamedTuple):
     y1: object
     yd1: object
     yd0: object
-    bridge: object  # (6, 4): path of the top over the pending time, see pending.py
+    bridge: object  # (9, 4): path of the top over the pending time, see pending.py
     scratch: object
 
 
@@ -84,7 +83,7 @@ def cut(parts, p, state, work):
         work[PATH : PATH + m].reshape((rows, d)),
         work[PATH + m : PATH + 2 * m].reshape((rows, d)),
         work[PATH + 2 * m : PATH + 3 * m].reshape((rows, d)),
-        work[0:PATH].reshape((6, 4)),
+        work[0:PATH].reshape((ROWS, 4)),
         grid.cut_scratch(parts.box, parts.bending, work[PATH + 3 * m :], n, like),
     )
 

@@ -19,9 +19,11 @@ from cable_model.kernels.header import (
     WINCH_SPEED,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import evaluate, quintic, wind_between
+from cable_model.kernels.top import arrival, evaluate, quintic, wind_between
 
 SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
+
+LAST = 1.0 - 1e-9  # of a path: from there on it has ended
 
 
 @kernel
@@ -55,6 +57,8 @@ def followed(path, span, bridge, pending, time, k):
     """Position, velocity and acceleration of axis k at `time` from the start of the path; before it the bridge leads there."""
     if time < 0.0:
         return evaluate(bridge, pending, 1.0 + time / pending, k)
+    if time >= LAST * span:
+        return arrival(path, k)
     return evaluate(path, span, time / span, k)
 
 

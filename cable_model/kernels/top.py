@@ -1,15 +1,19 @@
 """The prescribed path of the top within one communication step: a quintic polynomial per axis, continuous to the acceleration.
 
-`path` is (6, 4): coefficients of s^0 ... s^5 with s = (t - t_start)/H, in x, y, z; the last column is the length of cable that
-the winch has paid out, a parabola: its speed changes linearly.
+`path` is (9, 4): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
+the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z and the length of cable that the
+winch has paid out, a parabola: its speed changes linearly.
 """
 
 import math
 
-from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, TOP, WINCH_ACCELERATION, WINCH_SPEED
+from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, STEP, TOP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
 
 WINCH = 3  # column of the path, and of the inputs that are kept
+ROWS = 9
+PATH = 4 * ROWS  # numbers of a path
+ARRIVAL = 6  # first row of where it ends
 KEPT = 4  # inputs, see header.INPUTS
 NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
 
@@ -30,6 +34,8 @@ def quintic(start, end, h, path):
         path[3, k] = 10.0 * gap - 4.0 * gap_v + 0.5 * gap_a
         path[4, k] = -15.0 * gap + 7.0 * gap_v - gap_a
         path[5, k] = 6.0 * gap - 3.0 * gap_v + 0.5 * gap_a
+        for i in range(3):
+            path[ARRIVAL + i, k] = end[3 * i + k]
 
 
 @kernel
@@ -41,6 +47,9 @@ def wind(paid_out, speed, end_speed, h, path):
     path[3, WINCH] = 0.0
     path[4, WINCH] = 0.0
     path[5, WINCH] = 0.0
+    path[ARRIVAL, WINCH] = paid_out + 0.5 * (speed + end_speed) * h
+    path[ARRIVAL + 1, WINCH] = end_speed
+    path[ARRIVAL + 2, WINCH] = (end_speed - speed) / h
 
 
 @kernel
@@ -62,6 +71,12 @@ def evaluate(path, h, s, k):
     velocity = (c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))) / h
     acceleration = (2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))) / (h * h)
     return position, velocity, acceleration
+
+
+@kernel
+def arrival(path, k):
+    """Position, velocity and acceleration of axis k at the end of a path."""
+    return path[ARRIVAL, k], path[ARRIVAL + 1, k], path[ARRIVAL + 2, k]
 
 
 @kernel
@@ -90,6 +105,13 @@ def horizon(state, h):
     """
     planned = max(state[CLOSING], state[SHORTEST])
     return planned if planned > h * (1.0 + 1e-9) else h
+
+
+@kernel
+def _told_over(state, at_end, h):
+    """Time that inputs must tell something about: that of a plan; where they are given at the end, of an internal step too."""
+    planned = horizon(state, h)
+    return max(planned, state[STEP]) if at_end else planned
 
 
 @kernel
@@ -194,7 +216,7 @@ def follow_inputs(order, p, state, inputs, h, end, path):
 def _arrive(order, state, inputs, h, end, path):
     """The path that ends exactly where the inputs are; those kept get older by the step."""
     state[INPUT_STEPS] += h
-    predict(order, state, inputs, _first_kept(state, h), 0.0, end)
+    predict(order, state, inputs, _first_kept(state, _told_over(state, True, h)), 0.0, end)
     quintic(state[TOP : TOP + 9], end, h, path)
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9], h, path)
 
@@ -215,27 +237,29 @@ def _lead_on(order, state, inputs, h, end, path):
         ahead = (inputs[9] - state[INPUTS + KEPT * newest + WINCH]) * whole / age
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, whole, path)
     if whole > h:
-        _shorten(path, h / whole)
+        _shorten(path, h / whole, h)
 
 
 @kernel
-def _shorten(path, share):
-    """Keep the first part of a path."""
+def _shorten(path, share, h):
+    """Keep the first part, a time of h, of a path."""
     power = share
-    for i in range(1, path.shape[0]):
+    for i in range(1, ARRIVAL):
         for k in range(path.shape[1]):
             path[i, k] *= power
         power *= share
+    for k in range(path.shape[1]):
+        path[ARRIVAL, k], path[ARRIVAL + 1, k], path[ARRIVAL + 2, k] = evaluate(path, h, 1.0, k)
 
 
 @kernel
 def remember(order, p, state, inputs, h):
     """Keep what `predict` needs of these inputs for the steps after this one of h, and how much of its plan is left."""
     at_end = p[0].top.inputs_at > 0.0
-    whole = h if at_end else horizon(state, h)
     since = 0.0 if at_end else h  # from these inputs to the next step's, or to the next step
-    state[CLOSING] = max(whole - h, h)
-    if _first_kept(state, whole) == 1:  # near to those kept, which stay
+    near = _first_kept(state, _told_over(state, at_end, h)) == 1
+    state[CLOSING] = max(horizon(state, h) - h, h)
+    if near:  # to those kept, which stay
         state[INPUT_STEPS] += since
         return
     for i in range(3, 0, -1):

@@ -10,6 +10,7 @@ from typing import NamedTuple
 from cable_model.kernels.header import HEADER, NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_part, cable_part, displaced_area, total_weight
+from cable_model.kernels.top import PATH
 from cable_model.kernels.tow_water import added_masses, body_water, cable_water, turned
 
 ANGLE = HEADER  # phi
@@ -20,7 +21,7 @@ PLANE = HEADER + 4  # y (FMI axes) of the plane of motion
 EVALUATIONS = HEADER + 5  # right-hand sides computed so far
 STATE = HEADER + 6
 JOINED = 40  # in work, after what tow_schemes keeps there: path that begins with the pending time, and the top at its end
-WORK = JOINED + 33
+WORK = JOINED + PATH + 9
 SLIVER = 1e-5  # of the times in which the cable swings and stretches by a radian: what is shorter waits for the next step
 
 

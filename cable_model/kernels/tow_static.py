@@ -3,7 +3,7 @@
 import math
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.header import NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, STEPS, TIME, TOP
+from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, TOP, start_clock
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
@@ -111,12 +111,9 @@ def initialize(parts, p, time, state, work):
     c = constants(parts, p)
     if not stays_in_plane(parts.space, c, state):
         return OUT_OF_PLANE
-    for i in range(STEPS, STATE):
-        if i < TOP or i > TOP + 8:
-            state[i] = 0.0
-    state[TIME] = time
-    state[TIME + 1] = 0.0
-    state[TIME + 2] = 0.0
+    start_clock(state, time)
+    for i in range(HEADER, state.shape[0]):
+        state[i] = 0.0
     state[SHORTEST] = shortest_step(c)
     status = _hang(parts.space, parts, c, state)
     if status == OK and (not above_floor(parts.tension_floor, c, state[STRETCH]) or not c.mass_y + c.mass_inertia > 0.0):

@@ -28,7 +28,7 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.pending import is_short, wait
-from cable_model.kernels.top import evaluate, leaves_plane, quintic, winch_turns
+from cable_model.kernels.top import PATH, ROWS, arrival, leaves_plane, quintic, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
@@ -212,14 +212,14 @@ def next_size(explicit, size, error, tolerance, iterations):
 def join(path, h, state, end, whole):
     """The path with the pending time before it as one quintic: that time is too short for a quintic to lose anything over it."""
     for k in range(3):
-        end[k], end[3 + k], end[6 + k] = evaluate(path, h, 1.0, k)
+        end[k], end[3 + k], end[6 + k] = arrival(path, k)
     quintic(state[KEPT_TOP : KEPT_TOP + 9], end, state[PENDING] + h, whole)
 
 
 @kernel
-def move_top(path, h, state):
+def move_top(path, state):
     for k in range(3):
-        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = evaluate(path, h, 1.0, k)
+        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = arrival(path, k)
 
 
 @kernel
@@ -235,7 +235,7 @@ def advance(parts, p, time, h, path, state, work):
         return failed(status, state, time, 0.0)
     if is_short(state, state[PENDING] + h, 0.0):
         wait(state, h, path)
-        move_top(path, h, state)
+        move_top(path, state)
         state[TIME] = time + h
         return OK
     y, frame = motion_of(parts.space, state)
@@ -246,8 +246,8 @@ def advance(parts, p, time, h, path, state, work):
     fixed = not tolerance > 0.0
     pieces = max(1, math.ceil(h / p[0].solver.time_step * (1.0 - 1e-12))) if fixed else 1
     if state[PENDING] > 0.0:
-        whole = work[JOINED : JOINED + 24].reshape(6, 4)
-        join(path, h, state, work[JOINED + 24 : JOINED + 33], whole)
+        whole = work[JOINED : JOINED + PATH].reshape(ROWS, 4)
+        join(path, h, state, work[JOINED + PATH : JOINED + PATH + 9], whole)
         path = whole
     end_time = time + h
     time -= state[PENDING]
@@ -333,7 +333,7 @@ def advance(parts, p, time, h, path, state, work):
     state[NEWTON] += newton
     state[REJECTED] += rejected
     state[EVALUATIONS] += evaluations
-    move_top(path, h, state)
+    move_top(path, state)
     return OK
 
 

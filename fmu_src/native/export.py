@@ -17,7 +17,7 @@ from typing import Any
 
 from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, STEP, TABLES, Variant
 
-PATH, END, WORK = 0, 24, 33  # places in an entry's work array: path, end of the path, the kernels' own
+PATH, END, WORK = 0, 36, 45  # places in an entry's work array: path, end of the path, the kernels' own
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST = 1800  # s, of an export; two variants take a few minutes
 ENVIRONMENT = {
@@ -132,7 +132,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             status = initialize(parts, numbers, time, state, work[WORK:])
             watch.watch_start(state, inputs)
         else:
-            path = work[PATH:END].reshape((6, 4))
+            path = work[PATH:END].reshape((top.ROWS, 4))
             end = work[END:WORK]
             watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, numbers, state, inputs, step, end, path)
