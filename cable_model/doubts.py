@@ -81,6 +81,14 @@ SEEN = (
     "Give cable or body some weight, or a current.",
     "weight in water = %.3g N of a mass of %.4g kg between two held ends: the slack cable rests in any shape, and the run starts from one. "
     "Give the cable some weight, or a current.",
+    "motion led on from input to input = %.3g N of kicks, beside %.3g N of its own inertia: the cable rings. "
+    "Give inputs of the end of each step with top.inputs_at = 1, accelerations too with top.motion_order = 2, or shorter steps.",
+    "internal step = %.3g s under a motion of the top of %.3g s: fewer than twenty steps a period leave its phase and tension wrong. "
+    "Set solver.time_step to a twentieth of it, or solver.tolerance.",
+    "motion across the cable = felt down to %.3g m of %.4g m: the cable bends, and the lower end of a straight one moves too far. "
+    "Check against CableChain; the tension is better than the place.",
+    "tension = %.4g N, beside a weight of %.4g N: a straight cable pushes, a real one goes slack. "
+    "Set tow.minimum_tension, or use CableChain.",
 )
 
 

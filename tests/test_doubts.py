@@ -7,9 +7,11 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from chain_support import swing
 from fmu_support import FMICallException
 from native_support import only_where_they_run
 from typer.testing import CliRunner
@@ -158,20 +160,25 @@ def times(inputs: Inputs, factors: np.ndarray) -> Inputs:
     return lambda time: inputs(time) * factors
 
 
-def told(scene: Scene, inputs: Inputs, step: float = 0.1, steps: int = 30, kind: type[Model] = TowCable) -> list[str]:
-    """What a run under inputs at the starts of steps leaves doubtful; no more than once each."""
+def all_told(scene: Scene, inputs: Inputs, step: float = 0.1, steps: int = 30, kind: type[Model] = TowCable) -> list[str]:
+    """What a run under inputs at the starts, or by top.inputs_at the ends, of steps leaves doubtful; no more than once each."""
     model = kind(scene)
     model.initialize(inputs(0.0))
     for k in range(steps):
-        model.step(k * step, step, inputs(k * step))
+        model.step(k * step, step, inputs((k + scene.top.inputs_at) * step))
     before = {*before_the_run(scene)}
     texts = [text for text in model.warnings() if text not in before]
     assert all(FORM.fullmatch(text) for text in texts)
     return texts
 
 
+def told(*run: Any, **how: Any) -> list[str]:
+    """The same but for a straight cable that pushes, as after a sudden start."""
+    return [text for text in all_told(*run, **how) if not text.startswith("tension = ")]
+
+
 @pytest.mark.parametrize("order", [0, 1, 2])
-@pytest.mark.parametrize("step", [0.01, 0.1, 0.5])
+@pytest.mark.parametrize("step", [0.01, 0.1])
 def test_a_motion_that_goes_with_its_velocities_leaves_no_doubt(order: int, step: float):
     scene, inputs = heaving(1.0, order=order)
     assert not told(scene, inputs, step)
@@ -188,12 +195,72 @@ def test_a_top_that_jumps_is_told_with_how_far(order: int, length: float):
         assert text.startswith("top = 1 m from where its inputs led, in a step of 0.1 s:")
 
 
-def test_the_jump_of_a_host_that_connects_nothing_at_the_start_is_told():
-    scene, _ = heaving(0.0)
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("offset", [10.0, 0.05])
+def test_the_jump_of_a_host_that_connects_nothing_at_the_start_is_told(offset: float, order: int):
+    scene, _ = heaving(0.0, order=order)
     model = TowCable(scene)
     model.initialize(np.zeros(10))
-    model.step(0.0, 0.1, np.array([10.0, *[0.0] * 9]))
-    assert model.warnings()[-1].startswith("top = 10 m from where its inputs led")
+    model.step(0.0, 0.1, np.array([0.0, 0.0, offset, *[0.0] * 7]))
+    assert model.warnings()[0].startswith(f"top = {offset:.3g} m from where its inputs led")
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_inputs_at_the_start_of_a_tenth_of_a_period_are_told_to_kick(order: int):
+    """There the tension errs by more than its range; inputs of the end are right to some per cent."""
+    scene, inputs = heaving(1.0, order=order)
+    assert [text for text in told(scene, inputs, 0.5, 60) if text.startswith("motion led on from input to input = ")]
+    at_end = with_values(scene, {"top.inputs_at": 1})
+    assert not told(at_end, inputs, 0.5, 60)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("inputs_at", [0, 1])
+@pytest.mark.parametrize(("period", "ramp", "step"), [(12.0, 6.0, 1.0), (8.0, 20.0, 0.5), (5.0, 10.0, 0.5), (8.0, 3.0, 0.2)])
+def test_a_motion_that_fades_in_over_a_few_steps_goes_with_its_rates(order: int, inputs_at: int, period: float, ramp: float, step: float):
+    """It goes farther in each of its first steps than in all before, and the trapezoidal rule errs by as much."""
+    scene, _ = heaving(0.0, {"top.inputs_at": inputs_at}, order)
+    fading = swing((0.0, 0.0, 1.0), 2.0 * math.pi / period, ramp_time=ramp)
+    texts = told(scene, lambda time: np.append(fading(time), 0.0), step, 40)
+    assert not [text for text in texts if not text.startswith("motion led on")]
+
+
+def test_an_internal_step_too_long_for_the_motion_is_told():
+    scene, inputs = heaving(0.2, {"solver.time_step": 0.5, "top.inputs_at": 1})
+    (text,) = told(scene, inputs, 0.5, 40)
+    assert text.startswith("internal step = 0.5 s under a motion of the top of ")
+    assert not told(with_values(scene, {"solver.tolerance": 1e-3}), inputs, 0.5, 40)
+    assert not told(with_values(scene, {"solver.time_step": 0.2}), inputs, 0.2, 100)
+
+
+@pytest.mark.parametrize(("share", "doubtful"), [(1.3, False), (0.7, True)])
+@pytest.mark.parametrize("space", [False, True])
+def test_a_straight_cable_that_drag_would_bend_is_told(space: bool, share: float, doubtful: bool):
+    """The top's motion reaches sqrt(2 T/(c omega)), c = 8/(3 pi) 1/2 rho C_D d v."""
+    mass, drag = 500.0, 4.0 / (3.0 * math.pi) * 1025.0 * 1.2 * 0.01 * OMEGA
+    reach = math.sqrt(2.0 * 9.80665 * (mass + 0.5 * 30.0) / (drag * OMEGA))
+    values = {"body.mass": mass, "water.density": 1025.0, "cable.normal_drag_coefficient": 1.2, "solver.space": space}
+    scene, _ = heaving(0.0, {**values, "cable.length": reach / share, "environment.gravity": 9.80665})
+    swaying = swing((1.0, 0.0, 0.0), OMEGA, ramp_time=5.0)
+    texts = [text for text in told(scene, lambda time: np.append(swaying(time), 0.0), 0.05, 400) if text.startswith("motion across")]
+    assert bool(texts) == doubtful
+
+
+def test_a_straight_cable_that_pushes_is_told():
+    """A float above a cable that is heavier than it lifts: the chain goes slack there, the straight cable stands on it."""
+    scene, _ = heaving(0.0, {"cable.length": 30.0, "body.mass": 82.5, "body.volume": 0.1, "water.density": 1025.0})
+    (text,) = all_told(scene, lambda time: np.array([0.0, 0.0, -60.0, *[0.0] * 7]), steps=1)
+    assert text.startswith("tension = -")
+    assert not all_told(with_values(scene, {"body.mass": 110.0}), lambda time: np.array([0.0, 0.0, -60.0, *[0.0] * 7]), steps=1)
+
+
+def test_slivers_at_the_surface_leave_no_doubt():
+    scene, _ = heaving(0.0, {"water.density": 1025.0, "current.speed": 0.1})
+    model = TowCable(scene)
+    model.initialize(np.zeros(10))
+    for k in range(5):
+        model.step(k * 1e-9, 1e-9, np.array([0.0, 0.0, 4e-16 * k, *[0.0] * 7]))
+    assert not model.warnings()
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -223,7 +290,7 @@ def test_ends_above_the_water_are_told_where_the_surface_is_not_simulated():
     assert re.match(r"an end of the cable at z = 1\.\d+ m, above 1 m: ", text)  # a hundredth of the length is let pass
     assert not told(*heaving(0.9, wet))
     assert not told(*heaving(2.0))
-    assert told(scene, moved(inputs, z=0.1), steps=1)[0].startswith("an end of the cable at z = 0.1 m, above 0 m: ")
+    assert told(scene, moved(inputs, z=0.1), steps=1)[0].startswith("an end of the cable at z = 0.1 m, above 0.0001 m: ")
     assert not told(scene, moved(inputs, z=-2.0))
 
 

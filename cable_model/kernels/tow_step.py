@@ -28,6 +28,7 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.pending import is_short, wait
+from cable_model.kernels.problem import total_weight
 from cable_model.kernels.top import PATH, ROWS, arrival, leaves_plane, quintic, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
@@ -56,7 +57,7 @@ from cable_model.kernels.tow_schemes import (
 from cable_model.kernels.tow_space import keep_in_space, motion_in_space, outputs_in_space, recharted_in_space
 from cable_model.kernels.tow_static import initialize, node_positions, state_size
 from cable_model.kernels.vector import diagonal
-from cable_model.kernels.watch import watch_outputs
+from cable_model.kernels.watch import watch_outputs, watch_straight
 
 __all__ = ("advance", "initialize", "node_positions", "outputs", "state_size", "work_size")
 
@@ -345,3 +346,4 @@ def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     _outputs(parts.space, parts, p, state, work, out)
     watch_outputs(parts, p, state, out)
+    watch_straight(parts, p, state, out[13], total_weight(parts, p))

@@ -6,17 +6,24 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 
 import math
 
-from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, STEPS, TOP, WATCH
+from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, is_neutral
+from cable_model.kernels.top import horizon
 from cable_model.kernels.waves import DEPTH
 
-JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE = range(8)  # kinds of doubt
+JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED = range(12)  # kinds of doubt
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
 GONE = WATCH + 11  # how far position and velocity went, in sum
 MISSED = WATCH + 13  # and what their rates do not explain of it
+FARTHEST = WATCH + 15  # and the longer of both in a step
+MOVING = WATCH + 17  # time in which the top has moved, s
+SPEEDS = WATCH + 18  # squares of its velocity, summed over that time, m2/s
+RATES = WATCH + 19  # and of its acceleration, m2/s3
+MISSING = WATCH + 20  # time in which what was led on missed the inputs by more than KICK
+SIDEWAYS = WATCH + 21  # as SPEEDS, across the cable of the tow model
 
 GRAVITY = 9.81  # m/s2, the scale of what ships and cranes do to a cable
 SOON = 5.0  # m/s, at which a top may set off that has stood still
@@ -24,6 +31,12 @@ UNEXPLAINED = 0.5  # share of the way: a sine at five steps a period has 0.14, a
 FEWEST = 1e-4  # of the cable's length: ways below it say nothing
 SLOWEST = 1e-2  # of sqrt(g length): changes of velocity below it say nothing
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
+SEVERAL = 6.0  # times the longest of a step: a motion that begins by a power of time goes farther in each step than in all before
+TOUCHED = 1e-6  # of the cable's length: before the first step the top is where the inputs say, but for rounding
+KICK = 0.2  # of the motion's own inertia
+FEWEST_STEPS = 20.0  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
+PERIODS = 2.0  # that a motion must have lasted to have a frequency
+PUSHED = 1e-3  # of the weight
 LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
 
 
@@ -73,6 +86,8 @@ def watch_inputs(order, p, state, inputs, step):
         state[FASTEST] = max(state[FASTEST], math.sqrt(inputs[3] ** 2 + inputs[4] ** 2 + inputs[5] ** 2))
     unknown = SOON if state[FASTEST] == 0.0 else 0.0
     allowed = reach * (3.0 * state[FASTEST] + unknown + 0.5 * GRAVITY * reach) + FEWEST * length
+    if h == 0.0:
+        allowed = TOUCHED * length
     if gap > allowed:
         _note(state, JUMP, gap, reach)
     elif h > 0.0:
@@ -81,12 +96,55 @@ def watch_inputs(order, p, state, inputs, step):
             way, missed = _apart(inputs, last, 3 * level, h, 0.5)
             state[GONE + level] += way
             state[MISSED + level] += missed
+            state[FARTHEST + level] = max(state[FARTHEST + level], way, missed)
             scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
-            if state[MISSED + level] > max(UNEXPLAINED * state[GONE + level], scale):
+            enough = max(UNEXPLAINED * state[GONE + level], scale)
+            if state[MISSED + level] > enough and state[GONE + level] + state[MISSED + level] > SEVERAL * state[FARTHEST + level]:
                 _note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
+        _watch_motion(order, p, state, inputs, step)
     for k in range(9):
         last[k] = inputs[k]
     state[SPAN] = step
+
+
+@kernel
+def _watch_motion(order, p, state, inputs, step):
+    """The motion that was led on to these inputs: its frequency against the internal step, and by how much it missed them.
+
+    A velocity that is missed by dv, and caught up with within a step, sends a wave of sqrt(EA m) dv through the cable, or moves all of it
+    by force: whichever is less.
+    """
+    speed = 0.0
+    rate = 0.0
+    missed = 0.0
+    whole = horizon(state, step)
+    for k in range(3):
+        speed += state[TOP + 3 + k] ** 2
+        rate += state[TOP + 6 + k] ** 2
+        missed += ((inputs[k] - state[TOP + k]) / whole) ** 2
+        if order > 0:
+            missed += (inputs[3 + k] - state[TOP + 3 + k]) ** 2
+    before = state[SPAN]
+    if before == 0.0 or (speed == 0.0 and rate == 0.0):
+        return
+    state[MOVING] += before
+    state[SPEEDS] += before * speed
+    state[RATES] += before * rate
+    state[SIDEWAYS] += before * (state[TOP + 3] ** 2 + state[TOP + 4] ** 2)
+    moving = state[MOVING]
+    mass = p[0].cable.mass_per_length * p[0].cable.length + p[0].body.mass + max(p[0].body.added_mass, 0.0)
+    impedance = math.sqrt(p[0].cable.axial_stiffness * p[0].cable.mass_per_length)
+    kick = min(impedance, mass / whole) * math.sqrt(missed)
+    inertia = mass * math.sqrt(state[RATES] / moving)
+    if p[0].top.inputs_at == 0.0 and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
+        state[MISSING] += before
+        rates_differ = state[DOUBT + 2 * VELOCITY] + state[DOUBT + 2 * ACCELERATION] > 0.0
+        if state[MISSING] > 0.5 * moving and moving > FEWEST_STEPS * before and not rates_differ:
+            _note(state, KICKED, kick, inertia)
+    if state[RATES] > 0.0 and p[0].solver.tolerance == 0.0:
+        period = 2.0 * math.pi * math.sqrt(state[SPEEDS] / state[RATES])
+        if moving > PERIODS * period and FEWEST_STEPS * state[STEP] > period:
+            _note(state, COARSE, state[STEP], period)
 
 
 @kernel
@@ -117,7 +175,8 @@ def watch_outputs(parts, p, state, outputs):
     """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
-    allowed = EMERGED * p[0].cable.length if state[STEPS] > 0.0 else 0.0  # where a run starts above the water, it is meant to
+    begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
+    allowed = (EMERGED if begun else TOUCHED) * p[0].cable.length  # where a run starts above the water, it is meant to
     lower_z = outputs[7]
     highest = max(state[TOP + 2], lower_z)
     if parts.water is not None and parts.surface is None and highest > allowed:
@@ -127,3 +186,24 @@ def watch_outputs(parts, p, state, outputs):
         _note(state, BELOW, lower_z, -depth)
     if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * p[0].cable.axial_stiffness:
         _note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])
+
+
+@kernel
+def watch_straight(parts, p, state, lowest, force):
+    """What the tow model takes for granted: a cable that is straight, and pulls.
+
+    Drag lets a top that moves to and fro across the cable be felt down to delta = sqrt(2 T/(c omega)), c = 4/(3 pi) rho C_D d v: derived,
+    and tried against a converged chain.  `force` is the scale of the tension T, and `lowest` the lowest now in the cable.
+    """
+    if lowest < -PUSHED * force:
+        _note(state, PRESSED, lowest, force)
+    if parts.water is None or state[SIDEWAYS] == 0.0 or state[RATES] == 0.0:
+        return
+    omega = math.sqrt(state[RATES] / state[SPEEDS])
+    if omega * state[MOVING] < 2.0 * math.pi * PERIODS:
+        return
+    cable = p[0].cable
+    amplitude = math.sqrt(2.0 * state[SIDEWAYS] / state[MOVING])
+    drag = 4.0 / (3.0 * math.pi) * p[0].water.density * cable.normal_drag_coefficient * cable.diameter * amplitude
+    if 2.0 * force < drag * omega * cable.length**2:
+        _note(state, CURVED, math.sqrt(2.0 * force / (drag * omega)), cable.length)
