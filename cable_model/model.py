@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import ModuleType
+from typing import ClassVar
 
 import numpy as np
 
@@ -51,15 +52,17 @@ class Model:
     """
 
     name = ""
+    offered: ClassVar[Callable[[Model], Calls | None] | None] = None  # kernels for every model that is not given its own
 
     def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:
-        """`precompiled` offers kernels that are compiled already, or None where it has none for this model: then numba compiles them."""
+        """`precompiled` (else `offered`) offers kernels that are compiled already, or None where it has none: then numba compiles them."""
         self.scene = scene
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
         self._at_start: tuple[str, ...] = ()
-        self._calls = (precompiled and precompiled(self)) or self._just_in_time()
+        offered = precompiled or type(self).offered
+        self._calls = (offered and offered(self)) or self._just_in_time()
 
     @staticmethod
     def kernels() -> ModuleType:

@@ -12,7 +12,9 @@ from typing import Any
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
 TABLES = ("current", "waves")  # the tables that an entry takes
-SIZES, START, STEP = 0, 1, 2  # what an entry is asked for
+SIZES, START, STEP, ADVANCE, POSITIONS, OUTPUTS = range(6)  # what an entry is asked for, see fmu_src.native.export
+ROWS = 9  # of a path of the top
+PATH, END, WORK = 0, 4 * ROWS, 4 * ROWS + 10  # places in an entry's work array: path, inputs at its end, the kernels' own
 EXTERNAL = (
     "acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "floor", "fmod", "hypot", "log", "log1p", "memcpy", "memmove",
     "memset", "pow", "round", "sin", "sincos", "sinh", "sqrt", "tan", "tanh", "trunc",

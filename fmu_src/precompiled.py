@@ -12,15 +12,16 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
 from cable_model.calls import Calls
 from cable_model.kernels import header
 from cable_model.model import Model
-from cable_model.signals import INPUTS, OUTPUTS
-from fmu_src.entries import EXTERNAL, SIZES, START, STEP, Variant, serves
+from cable_model.signals import INPUTS
+from cable_model.signals import OUTPUTS as SIGNALS
+from fmu_src.entries import ADVANCE, END, EXTERNAL, OUTPUTS, POSITIONS, SIZES, START, STEP, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
 _ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipip"))  # releases the interpreter's lock
@@ -101,24 +102,27 @@ def _at(array: np.ndarray) -> int:
 
 
 class Precompiled:
-    """Calls of one entry; it serves what FMI asks for, not a top whose motion is known ahead."""
+    """Calls of one entry."""
 
     def __init__(self, entry: Callable[..., int], model: Model, engine: object) -> None:
         parts = model.parts
         levels: Any = _NO_LEVELS if parts.current is None else parts.current
         waves: Any = _NO_WAVES if parts.waves is None else parts.waves
-        self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(OUTPUTS)), np.zeros(2, dtype=np.int64)
+        self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
         present = np.array([float(part is not None) for part in parts])
         self._held = (model.numbers, present, levels, waves, engine)  # only their addresses are passed
-        fixed = (model.motion_order, _at(self._inputs), _at(model.numbers), _at(present), _at(levels), len(levels), _at(waves), len(waves))
-        self._new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
-        entry(*status, SIZES, 0.0, 0.0, *fixed, None, 0, None, 0, self._new_at)
+        fixed = (_at(self._inputs), _at(model.numbers), _at(present), _at(levels), len(levels), _at(waves), len(waves))
+        new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
+        entry(*status, SIZES, 0.0, 0.0, 0, *fixed, None, 0, None, 0, new_at)
         sizes = self._new[:2].astype(int)
-        self.state, self.work = np.zeros(sizes[0]), np.zeros(sizes[1])
-        self.outputs = np.zeros(len(OUTPUTS))
+        self.state, work = np.zeros(sizes[0]), np.zeros(sizes[1])
+        self._end, self.work = work[END:WORK], work[WORK:]
+        self.outputs = np.zeros(len(SIGNALS))
         self.top_speed = 0.0
-        arrays = (*fixed, _at(self.state), len(self.state), _at(self.work), len(self.work), self._new_at)
-        self._call: Callable[..., int] = lambda what, time, step: entry(*status, what, time, step, *arrays)
+        arrays = (*fixed, _at(self.state), len(self.state), _at(work), len(work))
+        self._call: Callable[..., int] = lambda what, time, step, order=model.motion_order, out=new_at: entry(
+            *status, what, time, step, order, *arrays, out
+        )
 
     def _run(self, what: int, time: float, step: float, inputs: np.ndarray) -> int:
         self._inputs[:] = inputs
@@ -137,11 +141,12 @@ class Precompiled:
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
         return self._run(STEP, time, step, inputs)
 
-    def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> NoReturn:
-        raise NotImplementedError("the object code takes inputs at the start of a step only")
+    def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
+        self._end[:] = end
+        return self._run(ADVANCE, time, step, start)
 
-    def positions(self, at: np.ndarray) -> NoReturn:
-        raise NotImplementedError("the object code gives outputs only")
+    def positions(self, at: np.ndarray) -> None:
+        self._call(POSITIONS, 0.0, 0.0, len(at), _at(at))
 
-    def read_outputs(self) -> NoReturn:
-        raise NotImplementedError("the object code gives outputs only after a step")
+    def read_outputs(self) -> None:
+        self._run(OUTPUTS, 0.0, 0.0, self._inputs)

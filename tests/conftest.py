@@ -2,26 +2,56 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 from fmu_support import Fmu
 from native_support import KEYS
+from numba import config
 
+from cable_model.model import Model
 from cable_model.models import MODELS
-from fmu_src.native import build
+from fmu_src.native import build, object_code
+from fmu_src.precompiled import ObjectCode
 
 ROOT = Path(__file__).resolve().parent.parent
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """One worker builds the generic FMUs, once, and runs their tests: the others would wait for it."""
+    """One worker builds the generic FMUs, once, and runs their tests first: the others would wait for it.
+
+    What runs on their object code comes last, when it is there.
+    """
+
+    def turn(item: pytest.Item) -> int:
+        groups = [mark.args[0] for mark in item.iter_markers("xdist_group")]
+        return 0 if "native" in groups else 2 if item.get_closest_marker("shipped") else 1
+
     for item in items:
         if {"fmu", "fmus", "native"} & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.xdist_group("native"))
+    items.sort(key=turn)
+
+
+@functools.cache
+def shipped(model: str) -> ObjectCode:
+    """The object code that a model's generic FMUs ship."""
+    variants = object_code.GENERIC[model]
+    return ObjectCode(object_code.object_code(model, variants), variants)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _on_shipped_code(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Models of a module marked `shipped` run on object code that is compiled once, not by numba for each set of parts, where it serves."""
+    if request.node.get_closest_marker("shipped") and object_code.can_export() and not config.DISABLE_JIT:
+        Model.offered = staticmethod(lambda model: shipped(model.name).calls(model))
+    yield
+    Model.offered = None
 
 
 @pytest.fixture(scope="session")

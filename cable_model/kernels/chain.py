@@ -18,6 +18,7 @@ from cable_model.kernels.error_control import (
     see_motion,
 )
 from cable_model.kernels.family import coefficients, coefficients_of_change
+from cable_model.kernels.fluid import flows
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
 from cable_model.kernels.pending import build_bridge, followed, is_short, wait
@@ -83,7 +84,7 @@ def settle(parts, p, time, state, work):
     if depth > 0.0 and state[header.TOP + 2] - problem.cable.length < -depth:
         return header.BELOW_WAVES
     neutral, _, _ = is_neutral(parts, p)
-    if parts.anchor is None and parts.current is None and neutral:
+    if parts.anchor is None and neutral and not flows(parts.current):
         return header.WEIGHTLESS
     return status if parts.slack is not None else header.NO_SLACK
 

@@ -23,6 +23,17 @@ def horizontal_by_height(vx, vy, like):
 
 
 @kernel
+def flows(current):
+    """Whether there is a current: a table may be at rest, as those of FMUs that have the part always are by default."""
+    if current is None:
+        return False
+    for i in range(current.shape[0]):
+        if current[i, 1] != 0.0 or current[i, 2] != 0.0:
+            return True
+    return False
+
+
+@kernel
 def current_velocity(current, position):
     """Velocity of the current and its gradient; linear between the levels of the table, held beyond its ends."""
     if current is None:

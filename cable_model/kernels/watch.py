@@ -6,6 +6,7 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 
 import math
 
+from cable_model.kernels.fluid import flows
 from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, is_neutral
@@ -166,7 +167,7 @@ def _watch_rest(parts, p, state, largest):
     if parts.anchor is not None:
         if largest <= 2.0 * NEUTRAL * mass * p[0].environment.gravity:
             _note(state, ANY_SHAPE, weight, mass)
-    elif parts.current is None:
+    elif not flows(parts.current):
         _note(state, ANY_PLACE, weight, mass)
 
 

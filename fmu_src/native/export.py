@@ -15,9 +15,23 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, STEP, TABLES, Variant
+from fmu_src.entries import (
+    ABSENT,
+    EITHER,
+    END,
+    EXTERNAL,
+    OUTPUTS,
+    PATH,
+    POSITIONS,
+    ROWS,
+    SIZES,
+    START,
+    STEP,
+    TABLES,
+    WORK,
+    Variant,
+)  # fmt: skip
 
-PATH, END, WORK = 0, 36, 45  # places in an entry's work array: path, end of the path, the kernels' own
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST = 1800  # s, of an export; two variants take a few minutes
 ENVIRONMENT = {
@@ -102,19 +116,24 @@ def _parts(variant: Variant) -> Any:
 
 
 def _entry(kernels: Any, variant: Variant) -> Any:
-    """The calls of just_in_time.JustInTime, from plain pointers."""
+    """The calls of just_in_time.JustInTime, from plain pointers.
+
+    SIZES writes those of state and work to `out`.  ADVANCE finds the inputs at the end of its step in work[END:WORK].  POSITIONS writes
+    `order` points (3 numbers each) to `out`.  All others write the outputs there.
+    """
     from numba import carray
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
     from cable_model.kernels import header, top, watch
-    from cable_model.signals import INPUTS, OUTPUTS
+    from cable_model.signals import INPUTS
+    from cable_model.signals import OUTPUTS as NAMES
 
     parts_now = _parts(variant)
     advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
-    state_size, work_size = kernels.state_size, kernels.work_size
+    state_size, work_size, node_positions = kernels.state_size, kernels.work_size, kernels.node_positions
     ok = header.OK
-    n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(OUTPUTS)
+    n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
     def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
         inputs = carray(x, (n_inputs,))
@@ -131,11 +150,20 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             top.start_top(order, numbers, state, inputs)
             status = initialize(parts, numbers, time, state, work[WORK:])
             watch.watch_start(state, inputs)
+        elif what == POSITIONS:
+            node_positions(parts, numbers, state, work[WORK:], carray(out, (order, 3)))
+            return ok
+        elif what == OUTPUTS:
+            status = ok
         else:
-            path = work[PATH:END].reshape((top.ROWS, 4))
+            path = work[PATH:END].reshape((ROWS, 4))
             end = work[END:WORK]
-            watch.watch_inputs(order, numbers, state, inputs, step)
-            top.follow_inputs(order, numbers, state, inputs, step, end, path)
+            if what == STEP:
+                watch.watch_inputs(order, numbers, state, inputs, step)
+                top.follow_inputs(order, numbers, state, inputs, step, end, path)
+            else:
+                top.quintic(inputs, end, step, path)
+                top.wind(state[header.PAID_OUT], inputs[9], end[9], step, path)
             outputs[0] = top.mean_speed(path, step)
             if outputs[0] > FASTEST_TOP:
                 return TOO_FAST
