@@ -27,10 +27,10 @@ def flows(current):
     """Whether there is a current: a table may be at rest, as those of FMUs that have the part always are by default."""
     if current is None:
         return False
+    fastest = 0.0
     for i in range(current.shape[0]):
-        if current[i, 1] != 0.0 or current[i, 2] != 0.0:
-            return True
-    return False
+        fastest = max(fastest, abs(current[i, 1]), abs(current[i, 2]))
+    return fastest > 0.0
 
 
 @kernel
