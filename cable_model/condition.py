@@ -90,7 +90,8 @@ def names(condition: Condition) -> list[str]:
     return [leaf.name for leaf in leaves(condition) if isinstance(leaf, Given | Chosen | Changed | High)]
 
 
-Literal = tuple[int, bool]  # a variable of an FMU, and whether its value is given
+Literal = tuple[int, bool]  # a variable of an FMU, and whether its value is given; or CHANGED beyond it, and whether it is not the usual
+CHANGED = 1 << 16
 Case = tuple[Literal, ...]
 
 

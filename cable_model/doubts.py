@@ -19,6 +19,7 @@ from cable_model.simulated import is_on
 
 FEWEST_STEPS = 20  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 LONGEST_PHASE = 1.0  # rad of a wave in a cell: 26 graded nodes have it in the eighth mode of a hanging chain, whose frequency errs by 0.2 %
+SAME_BOTTOM = 0.01  # of the depth
 FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
 
 
@@ -36,12 +37,24 @@ def forcing(scene: Any, axes: str = "xyz") -> float:
 
 def before_the_run(scene: Any) -> Iterator[str]:
     """What a scene alone makes doubtful."""
+    yield from _two_bottoms(scene)
     step, omega = min(scene.solver.time_step, scene.run.output_step), forcing(scene)
     if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
         period = 2.0 * math.pi / omega
         yield (
             f"time step = {step:.3g} s under a forcing of {period:.3g} s: {period / step:.3g} steps a period leave errors of about "
             f"{100.0 * (omega * step) ** 2 / 12.0:.2g} % in phase. Set solver.time_step = {period / FEWEST_STEPS:.2g}, or solver.tolerance."
+        )
+
+
+def _two_bottoms(scene: Any) -> Iterator[str]:
+    seabed, depth = scene.seabed, scene.water.depth if scene.water is not None else 0.0
+    if not depth or seabed is None or not seabed.stiffness or not is_on(BY_NAME["waves"], scene, CHAIN):
+        return
+    if abs(depth + seabed.level) > SAME_BOTTOM * depth:
+        yield (
+            f"water.depth = {depth:g} m over a seabed at z = {seabed.level:g} m: waves feel another bottom than the cable. "
+            f"Set water.depth = {-seabed.level:g}."
         )
 
 
@@ -76,7 +89,8 @@ SEEN = (
     "an end of the cable at z = %.3g m, above %.3g m: what is in air is simulated as if under water. "
     "Set water.surface = true where the model and the grid have it (CableChain, staggered).",
     "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
-    "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. Check the unit of cable.axial_stiffness (N).",
+    "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. "
+    "Check cable.length against the distance of its ends, and the unit of cable.axial_stiffness (N).",
     "weight in water = %.3g N of a mass of %.4g kg: there is no unique rest position, and rounding decides where the run starts. "
     "Give cable or body some weight, or a current.",
     "weight in water = %.3g N of a mass of %.4g kg between two held ends: the slack cable rests in any shape, and the run starts from one. "
@@ -89,6 +103,7 @@ SEEN = (
     "Check against CableChain; the tension is better than the place.",
     "tension = %.4g N, beside a weight of %.4g N: a straight cable pushes, a real one goes slack. "
     "Set tow.minimum_tension, or use CableChain.",
+    "wave = %.3g m high, %.4g m long: beyond 0.142 of its length a wave breaks. Check amplitude and period of the waves.",
 )
 
 

@@ -18,11 +18,11 @@ class SolverError(RuntimeError):
 
 
 def refuse(name: str, value: object, unit: str, rule: str, remedy: str) -> ParameterError:
-    """The error `<name> = <value> <unit>: must be <rule>. <what to do>`."""
+    """The error `<name> = <value> <unit>: must be <rule>. <what to do>`; the unit "1" goes without saying."""
     shown = f"{value:.10g}" if isinstance(value, float) else repr(value)
     if len(shown) > LONGEST:
         shown = f"{shown[: LONGEST // 2]}... ({len(shown)} characters)"
-    return ParameterError(f"{name} = {shown}{' ' + unit if unit else ''}: must be {rule}. {remedy}")
+    return ParameterError(f"{name} = {shown}{f' {unit}' if unit not in ('', '1') else ''}: must be {rule}. {remedy}")
 
 
 def unknown(name: str, known: Iterable[str], what: str = "key") -> ParameterError:

@@ -30,7 +30,7 @@ class Cable:
     )
     added_mass_coefficient: float = quantity("1", "normal added mass over the mass of water in the diameter", default=0.0, least=0.0)
     volume_per_length: float = quantity(
-        "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0
+        "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0, gap=(-1.0, 0.0)
     )
     stiffness_curve: tuple[tuple[float, float], ...] = quantity(
         "1, N", "table of [strain, tension] from [0, 0] up, joined smoothly, in place of axial_stiffness", default=()
@@ -126,7 +126,7 @@ class Waves:
     seed: int = quantity("1", "seed of the components' phases and of their directions' order", default=1, least=0, most=2147483646)
     spreading_exponent: float = quantity(
         "1", "exponent n of the sea's spreading, energy as cos^n of the angle from waves.direction, n = 2s (0 = long-crested)",
-        default=0.0, least=0.0, most=1000.0, gap=1.0, remedy="Take 2, as is usual, or 0.",
+        default=0.0, least=0.0, most=1000.0, gap=(0.0, 1.0), remedy="Take 2, as is usual, or 0.",
     )  # fmt: skip
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
@@ -148,7 +148,9 @@ class Tow:
     cable_mass: bool = quantity("", "whether the cable has mass (CBMAS)", default=True)
     body_angle: float = quantity("rad", "angle of a disk-like body to the vertical; beyond pi the body is a sphere (PHIBD)", default=18.0)
     drag_area_axial: float = quantity("m2", "drag coefficient times area of a disk-like body along its axis", default=0.0, least=0.0)
-    added_mass_vertical: float = quantity("kg", "vertical added mass of the body (-1 = as body.added_mass)", default=-1.0, least=-1.0)
+    added_mass_vertical: float = quantity(
+        "kg", "vertical added mass of the body (-1 = as body.added_mass)", default=-1.0, least=-1.0, gap=(-1.0, 0.0)
+    )
     as_printed: bool = quantity("", "whether the report's errors are kept, to compare with its figures", default=False)
     explicit: bool = quantity("", "whether the report's explicit Kutta-Merson method is used", default=False)
 
@@ -187,7 +189,7 @@ class Top:
     position: tuple[float, float, float] = quantity("m", "position about which the top moves", default=(0.0, 0.0, 0.0))
     motion_order: int = quantity("1", "connected inputs: 0 position, 1 and velocity, 2 and acceleration", default=1, least=0, most=2)
     inputs_at: int = quantity(
-        "1", "what a co-simulation's inputs are: 0 values at the start of the communication step, 1 at its end", default=0, least=0, most=1
+        "1", "where in the communication step a co-simulation gives its inputs: 0 at the start, 1 at the end", default=0, least=0, most=1
     )
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
@@ -201,7 +203,7 @@ class Solver:
     nodes: int = quantity("1", "number of nodes of the chain", default=51, least=3, most=100000)
     grading: float = quantity(
         "1", "mesh: 0 equal travel time of waves, 1 uniform, above 1 finer towards the lower end",
-        default=0.0, least=0.0, most=4.0, gap=1.0,
+        default=0.0, least=0.0, most=4.0, gap=(0.0, 1.0),
         remedy="Take 0 (automatic), 1 (uniform) or 2 (a free end).",
     )  # fmt: skip
     time_step: float = quantity("s", "longest internal step", default=0.01, above=0.0, remedy="Give a step above 0.")

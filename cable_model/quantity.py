@@ -20,11 +20,11 @@ def quantity(
     above: float | None = None,
     least: float | None = None,
     most: float | None = None,
-    gap: float | None = None,
+    gap: tuple[float, float] | None = None,
     choices: tuple[str, ...] | None = None,
     remedy: str = "",
 ) -> Any:
-    """A data-class field in the given unit; `above` excludes its bound, `least` and `most` include theirs; 0 or at least `gap`."""
+    """A data-class field in the given unit; `above` excludes its bound, `least` and `most` include theirs; a `gap` is out."""
     facts = {
         "unit": unit, "description": description, "above": above, "least": least, "most": most, "gap": gap, "choices": choices,
         "remedy": remedy,
@@ -39,7 +39,7 @@ def _rule(facts: typing.Mapping[str, Any]) -> str:
     if facts["above"] is not None:
         parts.append(f"> {facts['above']:g}")
     if facts["gap"] is not None:
-        parts.append(f"0 or >= {facts['gap']:g}")
+        parts.append("{:g} or >= {:g}".format(*facts["gap"]))
     elif facts["least"] is not None:
         parts.append(f">= {facts['least']:g}")
     if facts["most"] is not None:
@@ -61,7 +61,7 @@ def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool)
     if whole and value != int(value):
         raise refuse(name, float(value), facts["unit"], kind, remedy)
     low = (facts["above"] is not None and not value > facts["above"]) or (facts["least"] is not None and value < facts["least"])
-    between = facts["gap"] is not None and 0.0 < value < facts["gap"]
+    between = facts["gap"] is not None and facts["gap"][0] < value < facts["gap"][1]
     if low or between or (facts["most"] is not None and value > facts["most"]):
         raise refuse(name, value, facts["unit"], _rule(facts), remedy)
     return int(value) if whole else float(value)

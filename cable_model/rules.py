@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from cable_model.condition import Condition, Given, On
+from cable_model.condition import Changed, Condition, Given, On
 from cable_model.effects import CHAIN
 from cable_model.errors import ParameterError, refuse
 from cable_model.parameters import field_of, value_of
@@ -17,6 +17,8 @@ from cable_model.simulated import given, refused_on_grid, true
 WET, SPACE = On("water"), Given("solver.space")
 AMPLITUDE, SPECTRUM, TABLE = Given("waves.amplitude"), Given("waves.spectrum"), Given("waves.table")
 SEAS = (AMPLITUDE, SPECTRUM, TABLE)
+SLIDING = Changed("seabed.friction_velocity") | Changed("seabed.friction_displacement")
+DISK = Given("tow.drag_area_axial") | Changed("tow.body_angle")
 ACROSS = ("0 or pi in the plane", "Set solver.space = true, or turn the axes so that x is along it.")
 NO_WAVES, NO_CURRENT = "Add [water] or remove [waves].", "Add [water] or remove [current]."
 
@@ -77,8 +79,25 @@ RULES = (
         "> 0 for a body with volume, drag area or added mass", "Give the body's mass, or remove all of [body].",
     ),
     Rule(
-        ~Given("seabed.stiffness") & (Given("seabed.level") | Given("seabed.friction_coefficient")), "seabed.stiffness",
-        "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
+        ~Given("seabed.stiffness") & (
+            Given("seabed.level") | Given("seabed.friction_coefficient") | Changed("seabed.damping_ratio") | SLIDING
+        ), "seabed.stiffness", "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
+    ),
+    Rule(
+        Given("seabed.stiffness") & ~Given("seabed.friction_coefficient") & SLIDING, "seabed.friction_coefficient", "> 0 for friction",
+        "Give the coefficient, or remove seabed.friction_velocity and seabed.friction_displacement.",
+    ),
+    Rule(
+        ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
+        "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
+    ),
+    Rule(
+        ~Given("body.mass") & (DISK | Changed("tow.added_mass_vertical")), "body.mass", "> 0 for the body that [tow] describes",
+        "Give the body's mass, or remove its values from [tow].",
+    ),
+    Rule(
+        Given("tow.drag_area_axial") & ~Changed("tow.body_angle"), "tow.body_angle", "<= pi for a disk's drag along its axis",
+        "Give the angle of the disk, or remove tow.drag_area_axial.",
     ),
     Rule(
         Given("seabed.laid_from_anchor") & ~(Given("seabed.friction_coefficient") & Given("lower_end.anchored")), "seabed.laid_from_anchor",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.condition import Case, Changed, Chosen, Condition, Given, High, On, cases, holds, leaves, names
+from cable_model.condition import CHANGED, Case, Changed, Chosen, Condition, Given, High, On, cases, holds, leaves, names
 from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, INSTEAD, PARAMETERS, TOW, Effect, Parts, record
 from cable_model.errors import ParameterError, refuse
 from cable_model.parameters import field_of, value_of
@@ -79,6 +79,8 @@ def literals(condition: Condition, place: Mapping[str, int], scene: Any, model: 
             return when(BY_NAME[asked.effect], model)
         if isinstance(asked, Given) and asked.column < 0 and asked.name in place:
             return place[asked.name]
+        if isinstance(asked, Changed) and asked.name in place:
+            return CHANGED + place[asked.name]
         return true(asked, scene, model)
 
     return cases(condition, leaf)

@@ -142,7 +142,7 @@ class Variable:
     """One row: what FMI says of a variable, and the name of the scene's value behind it (parameters only).
 
     `kind` is the FMI type: "Real", "Integer", "Boolean" or "String".  `minimum_excluded` says that `minimum` itself is refused; with a
-    `gap`, so is what lies between 0 and it.
+    `gap`, so is what lies between its ends.
     A parameter with `choices` is a text in scenes; its Integer is the place of the text.  `starts_from`: the inputs that an output's value
     at the end of initialization depends on, beside all parameters; none: it depends on nothing.
     """
@@ -157,7 +157,7 @@ class Variable:
     minimum: float | None = None
     maximum: float | None = None
     minimum_excluded: bool = False
-    gap: float | None = None
+    gap: tuple[float, float] | None = None
     nominal: float | None = None
     scene_name: str = ""
     choices: tuple[str, ...] = ()

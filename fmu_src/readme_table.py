@@ -12,7 +12,7 @@ _BLOCK = re.compile(r"(<!-- interface table -->\n).*?(<!-- end of interface tabl
 
 def _range(row: Variable) -> str:
     if row.gap is not None:
-        return f"0, >= {row.gap:g}, <= {row.maximum:g}"
+        return "{:g}, >= {:g}".format(*row.gap) + (f", <= {row.maximum:g}" if row.maximum is not None else "")
     low = "" if row.minimum is None else f"{'>' if row.minimum_excluded else '>='} {row.minimum:g}"
     high = "" if row.maximum is None else f"<= {row.maximum:g}"
     return ", ".join(bound for bound in (low, high) if bound)

@@ -38,9 +38,9 @@ def text_of(part: str, field: dataclasses.Field, shown: str) -> str:
     facts = field.metadata
     bounds = (("> ", facts["above"]), (">= ", facts["least"]), ("<= ", facts["most"]))
     rule = " and ".join(f"{sign}{bound:g}" for sign, bound in bounds if bound is not None)
-    if facts["gap"] is not None:  # what lies between 0 and it is refused too
-        rule = rule.replace(">= 0", f"0 or >= {facts['gap']:g}")
-    unit = " " + facts["unit"] if facts["unit"] else ""
+    if facts["gap"] is not None:  # what lies between is refused too
+        rule = rule.replace(f">= {facts['gap'][0]:g}", "{:g} or >= {:g}".format(*facts["gap"]))
+    unit = " " + facts["unit"] if facts["unit"] not in ("", "1") else ""
     remedy = facts["remedy"] or f"Give the {facts['description']}."
     return f"{part}.{field.name} = {shown}{unit}: must be {rule}. {remedy}"
 

@@ -97,6 +97,25 @@ def test_a_step_of_fewer_than_twenty_in_a_period_is_told_and_its_remedy_is_none(
     assert not list(before_the_run(from_dict(swaying(5.0, time_step=0.5, tolerance=1e-3))))
 
 
+def test_waves_and_cable_that_know_two_bottoms_are_told():
+    seabed = {"level": -80.0, "stiffness": 1e5}
+    scene = from_dict({**WIRE, "water": {"depth": 50.0}, "waves": {"amplitude": 0.5}, "seabed": seabed})
+    (text,) = before_the_run(scene)
+    assert text.startswith("water.depth = 50 m over a seabed at z = -80 m:")
+    assert FORM.fullmatch(text)
+    assert not list(before_the_run(with_values(scene, {"water.depth": 80.0})))
+    assert not list(before_the_run(with_values(scene, {"waves.amplitude": 0.0})))
+
+
+def test_a_wave_beyond_breaking_is_told():
+    """H/L = 0.142 at most [Michell 1893]: 6 s and 56.2 m allow 7.98 m."""
+    values = {"water.density": 1025.0, "waves.period": 6.0, "solver.time_step": 0.1}
+    still = moved(heaving(0.0)[1], z=-20.0)
+    (text,) = told(heaving(0.0, {**values, "waves.amplitude": 4.05})[0], still, steps=1)
+    assert re.match(r"wave = 8\.1 m high, 56\.\d+ m long: ", text)
+    assert not told(heaving(0.0, {**values, "waves.amplitude": 3.95})[0], still, steps=1)
+
+
 def test_the_forcing_of_a_sea_is_that_of_the_waves_which_move_water():
     """Pierson-Moskowitz: the share of m2 above omega is erf(sqrt(5)/2 (peak/omega)^2), with u = omega^-2 in its integral."""
     sea = {"spectrum": "pierson-moskowitz", "significant_height": 3.0, "peak_period": 10.0, "components": 400}

@@ -54,7 +54,7 @@ BAD_PARAMETERS = {
     "zero step": ({"solver.time_step": 0.0}, "solver.time_step = 0 s: must be > 0. Give a step above 0."),
     "order": (
         {"top.motion_order": 3},
-        "top.motion_order = 3 1: must be >= 0 and <= 2. Give the connected inputs: 0 position, 1 and velocity, 2 and acceleration.",
+        "top.motion_order = 3: must be >= 0 and <= 2. Give the connected inputs: 0 position, 1 and velocity, 2 and acceleration.",
     ),
     "bodiless volume": (
         {"body.mass": 0.0},
@@ -74,7 +74,7 @@ ACROSS = {"lower_end.anchored": True, "lower_end.y": 60.0, "lower_end.z": -79.9}
 USE_CHAIN = "which has no use for it. Leave it, or use CableChain."
 BAD_FOR_ONE = {
     "chain": {
-        "zero nodes": ({"solver.nodes": 0}, "solver.nodes = 0 1: must be >= 3 and <= 100000. Give the number of nodes of the chain."),
+        "zero nodes": ({"solver.nodes": 0}, "solver.nodes = 0: must be >= 3 and <= 100000. Give the number of nodes of the chain."),
         "code": (
             {"solver.grid": 7}, "solver.grid = 7: must be a whole number from 0 to 1. Codes: finite-difference grid (CableChain only): "
             "0 staggered, 1 box.",
@@ -84,7 +84,7 @@ BAD_FOR_ONE = {
         ),
         "grading": (
             {"solver.grading": 0.5},
-            "solver.grading = 0.5 1: must be 0 or >= 1 and <= 4. Take 0 (automatic), 1 (uniform) or 2 (a free end).",
+            "solver.grading = 0.5: must be 0 or >= 1 and <= 4. Take 0 (automatic), 1 (uniform) or 2 (a free end).",
         ),
         "level of no seabed": (
             {"seabed.level": -50.0}, "seabed.stiffness = 0 Pa/m: must be > 0 for a seabed. Give the stiffness, or remove [seabed].",
@@ -96,11 +96,11 @@ BAD_FOR_ONE = {
         ),
         "the other's": (
             {"tow.drag_segments": 20},
-            "tow.drag_segments = 20 1: must be 10 for CableChain, which has no use for it. Leave it, or use TowCable.",
+            "tow.drag_segments = 20: must be 10 for CableChain, which has no use for it. Leave it, or use TowCable.",
         ),
     },
     "tow": {
-        "nodes": ({"solver.nodes": 101}, f"solver.nodes = 101 1: must be 51 for TowCable, {USE_CHAIN}"),
+        "nodes": ({"solver.nodes": 101}, f"solver.nodes = 101: must be 51 for TowCable, {USE_CHAIN}"),
         "anchor": ({"lower_end.anchored": True}, f"lower_end.anchored = True: must be false for TowCable, {USE_CHAIN}"),
         "bending": ({"cable.bending_stiffness": 30.0}, f"cable.bending_stiffness = 30 N.m2: must be 0 for TowCable, {USE_CHAIN}"),
         "seabed": (ON_SEABED, f"seabed.level = 5 m: must be 0 for TowCable, {USE_CHAIN}"),

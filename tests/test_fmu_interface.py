@@ -126,7 +126,7 @@ def test_every_parameter_reaches_the_scene():
         elif row.kind == "Integer":
             value = row.start + 1
         else:
-            value = row.gap or 0.5 * row.start + (1.0 if row.maximum is None else 0.25 * min(1.0, row.maximum))
+            value = row.gap[1] if row.gap else 0.5 * row.start + (1.0 if row.maximum is None else 0.25 * min(1.0, row.maximum))
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}

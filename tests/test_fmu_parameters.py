@@ -45,7 +45,9 @@ def others(row: Variable, value: Any) -> list[Any]:
     if row.unit == "rad":
         return [value + math.pi, value + 0.5]
     most = math.inf if row.maximum is None else row.maximum
-    return [other for other in (min(row.gap or 1.3 * value or 0.4, most), 0.7 * value, min(value + 1e3, most)) if other != value]
+    return [
+        other for other in (min(row.gap[1] if row.gap else 1.3 * value or 0.4, most), 0.7 * value, min(value + 1e3, most)) if other != value
+    ]
 
 
 def outputs(fmu: Fmu, values: dict[str, Any]) -> np.ndarray:

@@ -121,5 +121,5 @@ def test_a_restored_run_goes_on_bit_identically():
 
 
 def test_another_place_in_the_step_is_refused():
-    with pytest.raises(ParameterError, match=r"top\.inputs_at = 2 1: must be >= 0 and <= 1\."):
+    with pytest.raises(ParameterError, match=r"top\.inputs_at = 2: must be >= 0 and <= 1\."):
         from_dict({**LIGHT, "top": {"inputs_at": 2}})

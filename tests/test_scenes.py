@@ -16,8 +16,8 @@ REFUSED = [
     ({"cable": {**CABLE, "axial_stiffness": float("inf")}}, "cable.axial_stiffness = inf N: must be finite. Give the axial stiffness EA."),
     ({"cable": {**CABLE, "length": "long"}}, "cable.length = 'long' m: must be a number. Give the unstretched length."),
     ({"cable": {**CABLE, "length": True}}, "cable.length = True m: must be a number. Give the unstretched length."),
-    ({"cable": CABLE, "solver": {"nodes": 0}}, "solver.nodes = 0 1: must be >= 3 and <= 100000. Give the number of nodes of the chain."),
-    ({"cable": CABLE, "solver": {"nodes": 10.5}}, "solver.nodes = 10.5 1: must be a whole number. Give the number of nodes of the chain."),
+    ({"cable": CABLE, "solver": {"nodes": 0}}, "solver.nodes = 0: must be >= 3 and <= 100000. Give the number of nodes of the chain."),
+    ({"cable": CABLE, "solver": {"nodes": 10.5}}, "solver.nodes = 10.5: must be a whole number. Give the number of nodes of the chain."),
     ({"cable": CABLE, "solver": {"time_step": 0.0}}, "solver.time_step = 0 s: must be > 0. Give a step above 0."),
     ({"cable": CABLE, "solver": {"time_step": -0.1}}, "solver.time_step = -0.1 s: must be > 0. Give a step above 0."),
     (
@@ -57,11 +57,44 @@ REFUSED = [
     ),
     (
         {"cable": CABLE, "solver": {"grading": 0.5}},
-        "solver.grading = 0.5 1: must be 0 or >= 1 and <= 4. Take 0 (automatic), 1 (uniform) or 2 (a free end).",
+        "solver.grading = 0.5: must be 0 or >= 1 and <= 4. Take 0 (automatic), 1 (uniform) or 2 (a free end).",
+    ),
+    (
+        {"cable": CABLE, "lower_end": {"z": -80.0}},
+        "lower_end.anchored = False: must be true for a lower end that has a place. Set lower_end.anchored = true, or remove "
+        "lower_end.x, y and z.",
+    ),
+    *(
+        (
+            {"cable": CABLE, "seabed": {name: 0.5}},
+            "seabed.stiffness = 0 Pa/m: must be > 0 for a seabed. Give the stiffness, or remove [seabed].",
+        )
+        for name in ("level", "damping_ratio", "friction_coefficient", "friction_displacement", "friction_velocity")
+    ),
+    (
+        {"cable": {**CABLE, "diameter": 0.1}, "seabed": {"level": -8.0, "stiffness": 1e5, "friction_velocity": 0.5}},
+        "seabed.friction_coefficient = 0: must be > 0 for friction. Give the coefficient, or remove seabed.friction_velocity and "
+        "seabed.friction_displacement.",
+    ),
+    *(
+        (
+            {"cable": CABLE, "tow": {name: 1.0}},
+            "body.mass = 0 kg: must be > 0 for the body that [tow] describes. Give the body's mass, or remove its values from [tow].",
+        )
+        for name in ("drag_area_axial", "body_angle", "added_mass_vertical")
+    ),
+    (
+        {"cable": CABLE, "body": {"mass": 1.0}, "tow": {"drag_area_axial": 1.0}},
+        "tow.body_angle = 18 rad: must be <= pi for a disk's drag along its axis. Give the angle of the disk, or remove tow.drag_area_axial.",
+    ),
+    (
+        {"cable": {**CABLE, "volume_per_length": -0.5}},
+        "cable.volume_per_length = -0.5 m2: must be -1 or >= 0. Give the displaced volume per length, as of a chain (-1 = that of the "
+        "diameter).",
     ),
     (
         {"cable": CABLE, "solver": {"lambda_infinity": 0.9}},
-        "solver.lambda_infinity = 0.9 1: must be >= -1 and <= 0.5. Near -1 is most accurate on smooth motion, -0.5 damps more.",
+        "solver.lambda_infinity = 0.9: must be >= -1 and <= 0.5. Near -1 is most accurate on smooth motion, -0.5 damps more.",
     ),
     (
         {"cable": {**CABLE, "inextensible": True}},

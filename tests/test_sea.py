@@ -225,11 +225,11 @@ def test_a_sea_is_made_without_scipy():
     ("waves", "space", "text"),
     [
         ({"amplitude": 1.0, "spreading_exponent": 2.0}, True,
-         "waves.spreading_exponent = 2 1: must be 0 without a spectrum. Give waves.spectrum, or remove the exponent."),
+         "waves.spreading_exponent = 2: must be 0 without a spectrum. Give waves.spectrum, or remove the exponent."),
         ({**SPREAD, "spreading_exponent": 0.5}, True,
-         "waves.spreading_exponent = 0.5 1: must be 0 or >= 1 and <= 1000. Take 2, as is usual, or 0."),
+         "waves.spreading_exponent = 0.5: must be 0 or >= 1 and <= 1000. Take 2, as is usual, or 0."),
         ({**SPREAD, "spreading_exponent": 2.0}, False,
-         "waves.spreading_exponent = 2 1: must be 0 in the plane. Set solver.space = true, or remove the exponent."),
+         "waves.spreading_exponent = 2: must be 0 in the plane. Set solver.space = true, or remove the exponent."),
     ],
 )  # fmt: skip
 def test_spreading_that_means_nothing_is_refused(waves, space, text):

@@ -35,9 +35,9 @@ DRIFT_STEP = 60  # step that sets the time in which the drift of a held cable's 
 OFFSET = 61  # by which the time of the rates kept is after the end of the last internal step, (alpha_m - alpha_k) h, s
 LAG_BEFORE = 62  # LAG of the internal step before
 DOUBTS = 63  # how many kinds of doubt watch.py has seen
-DOUBT = 64  # 64..87: a pair of numbers for each kind, 0 until it is seen
-WATCH = 88  # 88..109: what watch.py keeps
-HEADER = 110
+DOUBT = 64  # 64..93: a pair of numbers for each kind, 0 until it is seen
+WATCH = 94  # 94..115: what watch.py keeps
+HEADER = 116
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -11,9 +11,9 @@ from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, PENDING, STEP, STE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, is_neutral
 from cable_model.kernels.top import horizon
-from cable_model.kernels.waves import DEPTH
+from cable_model.kernels.waves import AMPLITUDE, DEPTH, NUMBER
 
-JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED = range(12)  # kinds of doubt
+JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP = range(13)  # kinds
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
@@ -38,6 +38,7 @@ KICK = 0.2  # of the motion's own inertia
 FEWEST_STEPS = 20.0  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 PERIODS = 2.0  # that a motion must have lasted to have a frequency
 PUSHED = 1e-3  # of the weight
+BREAKING = 0.142 * math.pi  # of amplitude times wave number: Michell's limit, height over length, which no wave in deep water exceeds
 LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
 
 
@@ -172,10 +173,20 @@ def _watch_rest(parts, p, state, largest):
 
 
 @kernel
+def _watch_waves(waves, state):
+    if waves is None:
+        return
+    for j in range(waves.shape[0]):
+        if waves[j, AMPLITUDE] * waves[j, NUMBER] > BREAKING:
+            _note(state, STEEP, 2.0 * waves[j, AMPLITUDE], 2.0 * math.pi / waves[j, NUMBER])
+
+
+@kernel
 def watch_outputs(parts, p, state, outputs):
     """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
+        _watch_waves(parts.waves, state)
     begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
     allowed = (EMERGED if begun else TOUCHED) * p[0].cable.length  # where a run starts above the water, it is meant to
     lower_z = outputs[7]

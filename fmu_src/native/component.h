@@ -73,6 +73,8 @@ static void give_back(const Instance *m, void *memory)
 
 static int nonzero(const Core *core, int vr)
 {
+    if (vr >= CHANGED)
+        return core->values[vr - CHANGED] != variables[vr - CHANGED].usual;
     double value = core->values[vr];
     return variables[vr].angle ? fabs(sin(value)) > 1e-9 : value != 0.0;
 }
@@ -96,7 +98,7 @@ static fmi2Status check_parameters(const Instance *m)
             return refuse(m, vr, value, v->kept);
         if (!isfinite(value))
             return refuse(m, vr, value, v->finite);
-        if (value < v->least || value > v->most || (v->above && value == v->least) || (value > 0.0 && value < v->gap))
+        if (value < v->least || value > v->most || (v->above && value == v->least) || (value > v->hole && value < v->gap))
             return refuse(m, vr, value, v->range);
     }
     for (size_t k = 0; k < sizeof refusals / sizeof *refusals; k++)

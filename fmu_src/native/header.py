@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,13 +12,14 @@ from typing import Any, cast
 import numpy as np
 
 from cable_model.calls import TOO_FAST, Calls
-from cable_model.condition import Literal
+from cable_model.condition import CHANGED, Literal
 from cable_model.doubts import SEEN
 from cable_model.effects import PARAMETERS, Parts
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.models import MODELS
+from cable_model.parameters import field_of
 from cable_model.scene import Scene
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulated import parts_of
@@ -33,7 +35,7 @@ TYPES = """
 typedef struct {
     const char *name, *scene_name, *unit;
     char kind, causality; /* R I B S; i(nput) o(utput) p(arameter) l(ocal) */
-    double start, least, most, gap;
+    double start, least, most, hole, gap, usual; /* nothing between hole and gap; usual: the scene's default */
     int above, angle; /* whether `least` itself is refused; whether only a direction across the x axis counts as nonzero */
     const char *finite, *range, *kept; /* what the value must be, and what to do; "": it need not be `start` */
 } Variable;
@@ -55,6 +57,14 @@ def _number(value: float | None, missing: float) -> str:
     return ("-" if value < 0 else "") + "HUGE_VAL" if math.isinf(value) else repr(value)
 
 
+def _usual(row: Variable) -> float:
+    """The default of the scene's value behind a parameter, as a number."""
+    if not row.scene_name:
+        return 0.0
+    default, choices = field_of(row.scene_name).default, field_of(row.scene_name).metadata["choices"]
+    return float(choices.index(default) if choices else 0.0 if default is dataclasses.MISSING else default)
+
+
 def _condition(literals: Sequence[Literal] | None) -> str:
     if literals is None:
         return "{-1, {{0, 0}}}"
@@ -67,9 +77,15 @@ def _array(kind: str, name: str, lines: Iterable[str], size: str = "") -> str:
 
 def _variable(row: Variable, rules: Rules, vr: int) -> str:
     limit = rules.limits.get(vr)
-    unit = limit.unit if limit else row.unit
+    unit = limit.unit if limit else row.unit.removeprefix("1")
     facts = [_text(row.name), _text(row.scene_name or row.name), _text(unit), f"'{row.kind[0]}'", f"'{row.causality[0]}'"]
-    facts += [_number(row.start, 0.0), _number(row.minimum, -math.inf), _number(row.maximum, math.inf), _number(row.gap, 0.0)]
+    facts += [
+        _number(row.start, 0.0),
+        _number(row.minimum, -math.inf),
+        _number(row.maximum, math.inf),
+        *(_number(x, 0.0) for x in row.gap or (0.0, 0.0)),
+    ]
+    facts += [repr(_usual(row))]
     facts += [str(int(row.minimum_excluded)), str(int(row.unit == "rad"))]
     facts += [_text(limit.finite if limit else rules.finite_input), _text(limit.range if limit else "")]
     facts += [_text(rules.kept.get(row.name, ""))]
@@ -153,6 +169,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
+        "CHANGED": CHANGED,
         "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.LAST_STATUS, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,
         "DOUBTS": header.DOUBTS, "DOUBT": header.DOUBT,
