@@ -84,14 +84,6 @@ RULES = (
         ), "seabed.stiffness", "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
     ),
     Rule(
-        Given("seabed.stiffness") & ~Given("seabed.friction_coefficient") & SLIDING, "seabed.friction_coefficient", "> 0 for friction",
-        "Give the coefficient, or remove seabed.friction_velocity and seabed.friction_displacement.",
-    ),
-    Rule(
-        ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
-        "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
-    ),
-    Rule(
         ~Given("body.mass") & (DISK | Changed("tow.added_mass_vertical")), "body.mass", "> 0 for the body that [tow] describes",
         "Give the body's mass, or remove its values from [tow].",
     ),
@@ -108,6 +100,10 @@ RULES = (
     Rule(
         Given("lower_end.released") & ~Given("lower_end.anchored"), "lower_end.released", "false without an anchor",
         "Set lower_end.anchored = true and its x, y, z.",
+    ),
+    Rule(
+        ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
+        "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
     ),
     Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
     Rule(

@@ -6,6 +6,8 @@ from chain_support import make, still
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
+pytestmark = pytest.mark.shipped
+
 TOWED = {  # the shipped scene `towed_body` without its motion
     "cable": {
         "length": 400.0, "diameter": 0.013, "mass_per_length": 0.68, "axial_stiffness": 9.5e6, "normal_drag_coefficient": 1.2,

@@ -117,6 +117,26 @@ def test_all_instances_share_one_object_code(fmus: dict[str, Fmu], monkeypatch: 
         instance.close()
 
 
+@pytest.mark.xdist_group("native")
+@pytest.mark.parametrize("key", ["chain", "tow"])
+def test_a_motion_known_ahead_and_the_shape_are_the_librarys(key: str):
+    variants = object_code.GENERIC[key]
+    code = ObjectCode(object_code.object_code(key, variants), variants)
+    models = [MODELS[key](generic_scene(), offer) for offer in (code.calls, None)]
+    shapes = []
+    for model in models:
+        model.initialize(sway(0.0))
+        for k in range(5):
+            model.advance(k * STEP, STEP, sway(k * STEP), sway((k + 1) * STEP))
+        shapes.append(model.positions())
+        outputs = model.outputs.copy()
+        model.outputs[:] = 0.0
+        model._calls.read_outputs()
+        assert np.array_equal(model.outputs, outputs)
+    assert_same(shapes[0], shapes[1])
+    assert_same(models[0].outputs, models[1].outputs)
+
+
 # -- it steps aside
 
 

@@ -10,6 +10,8 @@ from cable_model import CableChain, TowCable
 from cable_model.errors import ParameterError
 from cable_model.scene import from_dict, load, with_values
 
+pytestmark = pytest.mark.shipped
+
 LENGTH, STIFFNESS, MASS, DAMPING, GRAVITY = 10.0, 1e5, 100.0, 4e5, 9.80665
 STRAIN = MASS * GRAVITY / STIFFNESS
 AMPLITUDE = 0.05  # m, of the first swing
@@ -69,7 +71,7 @@ def test_a_payload_without_it_keeps_its_swing():
     ],
 )
 def test_it_is_refused_where_it_is_not_simulated(changes: dict[str, object], text: str):
-    scene = with_values(payload().scene, {"lower_end.released": False, "lower_end.anchored": False})
+    scene = with_values(payload().scene, {"lower_end.released": False, "lower_end.anchored": False, "lower_end.z": 0.0})
     with pytest.raises(ParameterError, match=text):
         with_values(scene, {"cable.quadratic_damping": 2.0, **changes})
 

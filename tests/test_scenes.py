@@ -71,11 +71,6 @@ REFUSED = [
         )
         for name in ("level", "damping_ratio", "friction_coefficient", "friction_displacement", "friction_velocity")
     ),
-    (
-        {"cable": {**CABLE, "diameter": 0.1}, "seabed": {"level": -8.0, "stiffness": 1e5, "friction_velocity": 0.5}},
-        "seabed.friction_coefficient = 0: must be > 0 for friction. Give the coefficient, or remove seabed.friction_velocity and "
-        "seabed.friction_displacement.",
-    ),
     *(
         (
             {"cable": CABLE, "tow": {name: 1.0}},
@@ -85,7 +80,8 @@ REFUSED = [
     ),
     (
         {"cable": CABLE, "body": {"mass": 1.0}, "tow": {"drag_area_axial": 1.0}},
-        "tow.body_angle = 18 rad: must be <= pi for a disk's drag along its axis. Give the angle of the disk, or remove tow.drag_area_axial.",
+        "tow.body_angle = 18 rad: must be <= pi for a disk's drag along its axis. Give the angle of the disk, or remove "
+        "tow.drag_area_axial.",
     ),
     (
         {"cable": {**CABLE, "volume_per_length": -0.5}},

@@ -12,6 +12,8 @@ from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
 from cable_model.scene import with_values
 
+pytestmark = pytest.mark.shipped
+
 SPACE = WET._replace(space=True)
 VARIANTS = {
     "all": ({}, SPACE._replace(waves=WAVES + np.array([0.0, 0.0, 0.0, 0.7, 0.0, 0.0]))),
