@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
+import numba
 import pytest
 from fmu_support import Fmu
 from native_support import KEYS
-from numba import config
 
 from cable_model.model import Model
 from cable_model.models import MODELS
@@ -22,11 +22,15 @@ from fmu_src.precompiled import ObjectCode
 ROOT = Path(__file__).resolve().parent.parent
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """One worker builds the generic FMUs, once, and runs their tests first: the others would wait for it.
 
-    What runs on their object code comes last, when it is there.
+    What runs on their object code comes last, when it is there; test_plain runs what is to run as plain Python.
     """
+    plain = [item for item in items if item.get_closest_marker("plain")]
+    if not numba.config.DISABLE_JIT and plain:
+        config.hook.pytest_deselected(items=plain)
+        items[:] = [item for item in items if item not in plain]
 
     def turn(item: pytest.Item) -> int:
         groups = [mark.args[0] for mark in item.iter_markers("xdist_group")]
@@ -48,7 +52,7 @@ def shipped(model: str) -> ObjectCode:
 @pytest.fixture(autouse=True, scope="module")
 def _on_shipped_code(request: pytest.FixtureRequest) -> Iterator[None]:
     """Models of a module marked `shipped` run on object code that is compiled once, not by numba for each set of parts, where it serves."""
-    if request.node.get_closest_marker("shipped") and object_code.can_export() and not config.DISABLE_JIT:
+    if request.node.get_closest_marker("shipped") and object_code.can_export() and not numba.config.DISABLE_JIT:
         Model.offered = staticmethod(lambda model: shipped(model.name).calls(model))
     yield
     Model.offered = None

@@ -105,3 +105,11 @@ def test_error_control_never_lets_the_step_vanish(tolerance, lam):
     command = [sys.executable, "-c", VANISHING, str(tolerance), str(lam)]
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("nodes", [26, 101, 401, 1001])
+def test_smooth_motion_takes_little_more_than_one_iteration_a_step_on_every_mesh(nodes):
+    scene = make(HANGING, solver__lambda_infinity=-0.9, solver__nodes=nodes)
+    run = drive(scene, every(0.01, 6.0), swing((0.02, 0.0, 0.0), SECOND_MODE))
+    assert run["solver.newton_iterations"][-1] <= 1.75 * run["solver.steps"][-1]
+    assert run["solver.rejected_steps"][-1] == 0
