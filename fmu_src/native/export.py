@@ -1,17 +1,19 @@
-"""Compiles the kernels to object code for any x86-64 Linux machine: `python -m fmu_src.native.export < request.json`.
+"""Compiles the kernels to object code for any x86-64 Linux machine.
 
-A process of its own, so that numba's just-in-time compiler elsewhere is not disturbed.  numba writes each entry as LLVM code, not
-optimized; all entries are then linked, freed of reference counts (every array is the C layer's) and optimized as one module, which
-keeps what they have in common once.
+numba writes each entry as LLVM code, not optimized, in a process of its own (`python -m fmu_src.native.export < request.json`): the
+just-in-time compiler elsewhere is not disturbed, and entries are compiled side by side.  They are freed of reference counts (every array
+is the C layer's), linked, and optimized as one module, which keeps what they have in common once.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -200,30 +202,38 @@ def _compile(entry: Any) -> tuple[str, Any]:
     return made.fndesc.llvm_func_name, made.library._final_module
 
 
-def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
-    """One object file with the entries kernel_0, kernel_1, ... of the linked modules."""
+def _alone(symbol: str, module: Any, name: str) -> bytes:
+    """Bitcode of a module that shows only its entry, as `name`: modules of other processes use the same names for other things."""
     import llvmlite.binding as llvm
 
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
     linked = llvm.parse_assembly(RESHAPE)
-    for _, module in modules:
-        linked.link_in(module, preserve=True)
-    text = str(linked)
-    for k, (symbol, _) in enumerate(modules):
-        text = re.sub(rf'@"?{re.escape(symbol)}"?(?![\w.$])', f"@kernel_{k}", text)
+    linked.link_in(module)
+    text = re.sub(rf'@"?{re.escape(symbol)}"?(?![\w.$])', f"@{name}", str(linked))
     for counted in ("NRT_incref", "NRT_decref"):  # no array of the kernels owns its memory
         body = rf"define linkonce_odr void @{counted}\(ptr [^)]*\)[^{{]*{{.*?\n}}"
         text = re.sub(body, f"define void @{counted}(ptr %0) alwaysinline {{ ret void }}", text, flags=re.DOTALL)
     # nobody reads what numba would raise, and it names files of this machine
     text = re.sub(r"(?m)^(@\.const\.picklebuf\S* = internal constant \{[^}]*\}) \{.*\}", r"\1 zeroinitializer", text)
-    module = llvm.parse_assembly(text)
-    module.verify()
-    for value in (*module.functions, *module.global_variables):
-        if value.name.startswith("kernel_"):
+    made = llvm.parse_assembly(text)
+    made.verify()
+    for value in (*made.functions, *made.global_variables):
+        if value.name == name:
             value.visibility = "hidden"
         elif not value.is_declaration:
             value.linkage = "internal"
+    bitcode: bytes = made.as_bitcode()
+    return bitcode
+
+
+def _optimized(modules: Sequence[bytes]) -> bytes:
+    """One object file with the entries of the modules."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    module = llvm.parse_assembly("")
+    for bitcode in modules:
+        module.link_in(llvm.parse_bitcode(bitcode))
     target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
     machine = target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
@@ -242,19 +252,25 @@ def _optimized(modules: Sequence[tuple[str, Any]]) -> bytes:
 
 
 def export(model: str, variants: Sequence[Variant]) -> bytes:
-    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, compiled in a process of its own.
+    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, each compiled in a process of its own.
 
-    Raises RuntimeError with that process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
+    Raises RuntimeError with a process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
     """
-    import os
-
     from cable_model.kernels.jit import source_hash
 
-    request = json.dumps({"model": model, "variants": [dict(variant) for variant in variants], "kernels": source_hash()})
+    kernels = source_hash()
+    requests = [{"model": model, "variant": dict(variant), "name": f"kernel_{k}", "kernels": kernels} for k, variant in enumerate(variants)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return _optimized(list(pool.map(_bitcode, requests)))
+
+
+def _bitcode(request: Mapping[str, Any]) -> bytes:
+    """What `main` writes for a request, in a process of its own."""
     try:
         done = subprocess.run(
             [sys.executable, "-m", "fmu_src.native.export"],
-            input=request.encode(), capture_output=True, cwd=ROOT, env={**os.environ, **ENVIRONMENT}, check=False, timeout=LONGEST,
+            input=json.dumps(request).encode(), capture_output=True, cwd=ROOT, env={**os.environ, **ENVIRONMENT}, check=False,
+            timeout=LONGEST,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
         raise RuntimeError(f"the export of the kernels took longer than {LONGEST} s") from error
@@ -274,7 +290,8 @@ def main() -> None:
     if request["kernels"] != jit.source_hash():
         raise SystemExit("the kernels' sources have changed since the process that asks was started. Start it again.")
     kernels = MODELS[request["model"]].kernels()
-    sys.stdout.buffer.write(_optimized([_compile(_entry(kernels, variant)) for variant in request["variants"]]))
+    symbol, module = _compile(_entry(kernels, request["variant"]))
+    sys.stdout.buffer.write(_alone(symbol, module, request["name"]))
 
 
 if __name__ == "__main__":
