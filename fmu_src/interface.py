@@ -221,6 +221,14 @@ def table(scene: Scene | None = None) -> tuple[Variable, ...]:
     return (*_inputs(scene), *_outputs(), active, *(_parameter(scene, name) for name in _PARAMETERS))
 
 
+def in_variables(text: str) -> str:
+    """A text about values of a scene, with the names that FMUs have for them."""
+    for row in table():
+        if row.scene_name and row.scene_name != row.name:
+            text = text.replace(row.scene_name, row.name)
+    return text
+
+
 def generic_scene() -> Scene:
     """The scene of an FMU that has none baked in: it initializes as it is."""
     return from_dict(GENERIC)

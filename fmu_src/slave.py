@@ -28,7 +28,7 @@ from cable_model.parameters import field_of
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulated import one_line
-from fmu_src.interface import Variable, scene_from_values, table
+from fmu_src.interface import Variable, in_variables, scene_from_values, table
 from fmu_src.model_description import model_description
 from fmu_src.order import Experiment, Phase, expect
 from fmu_src.precompiled import ObjectCode
@@ -59,7 +59,7 @@ def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
             return method(self, *arguments)
         except BaseException as error:
             expected = isinstance(error, ParameterError | SolverError | StateError)
-            text = str(error) if expected else "".join(traceback.format_exception(error))
+            text = in_variables(str(error)) if expected else "".join(traceback.format_exception(error))
             sys.stderr.write(f"{self.instance_name}: {method.__name__}: {traceback.format_exc()}\n")
             self.log(text, Fmi2Status.error)
             keep(self, type(self), self.log_queue)
@@ -207,7 +207,7 @@ class CableSlave(Fmi2Slave):
         return {self._rows[vr].name: known[vr] for vr in range(_FIRST_PARAMETER, len(self._rows))}
 
     def _effects(self) -> str:
-        return "" if self._model is None else one_line(self._model.scene, self.model_key)
+        return "" if self._model is None else in_variables(one_line(self._model.scene, self.model_key))
 
     # -- values
 

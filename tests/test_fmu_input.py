@@ -60,6 +60,14 @@ BAD_PARAMETERS = {
         {"body.mass": 0.0},
         "body.mass = 0 kg: must be > 0 for a body with volume, drag area or added mass. Give the body's mass, or remove all of [body].",
     ),
+    "wave of the FMU's name": (
+        {"wave.amplitude": -1.0}, "wave.amplitude = -1 m: must be >= 0. Give the amplitude of the wave (0 = none).",
+    ),
+    "volume between none and its default": (
+        {"cable.volume_per_length": -0.5},
+        "cable.volume_per_length = -0.5 m2: must be -1 or >= 0. Give the displaced volume per length, as of a chain (-1 = that of the "
+        "diameter).",
+    ),
     "weightless waves": (
         {"environment.gravity": 0.0, "wave.amplitude": 1.0}, "environment.gravity = 0 m/s2: must be > 0 with waves. Give gravity.",
     ),
@@ -89,6 +97,13 @@ BAD_FOR_ONE = {
         "level of no seabed": (
             {"seabed.level": -50.0}, "seabed.stiffness = 0 Pa/m: must be > 0 for a seabed. Give the stiffness, or remove [seabed].",
         ),
+        "damping of no seabed": (
+            {"seabed.damping_ratio": 0.5}, "seabed.stiffness = 0 Pa/m: must be > 0 for a seabed. Give the stiffness, or remove [seabed].",
+        ),
+        "place of a free end": (
+            {"lower_end.x": 20.0}, "lower_end.anchored = False: must be true for a lower end that has a place. "
+            "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
+        ),
         "top below the seabed": (ON_SEABED, "top.z = 0 m: must be >= seabed.level = 5. Lower the seabed or lift the top."),
         "anchor out of the plane": (
             ACROSS,
@@ -104,6 +119,10 @@ BAD_FOR_ONE = {
         "anchor": ({"lower_end.anchored": True}, f"lower_end.anchored = True: must be false for TowCable, {USE_CHAIN}"),
         "bending": ({"cable.bending_stiffness": 30.0}, f"cable.bending_stiffness = 30 N.m2: must be 0 for TowCable, {USE_CHAIN}"),
         "seabed": (ON_SEABED, f"seabed.level = 5 m: must be 0 for TowCable, {USE_CHAIN}"),
+        "axial drag of a sphere": (
+            {"tow.drag_area_axial": 0.7}, "tow.body_angle = 18 rad: must be <= pi for a disk's drag along its axis. "
+            "Give the angle of the disk, or remove tow.drag_area_axial.",
+        ),
         "not a number": ({"cable.bending_stiffness": math.nan}, f"cable.bending_stiffness = nan N.m2: must be 0 for TowCable, {USE_CHAIN}"),
     },
 }  # fmt: skip

@@ -47,7 +47,7 @@ static const char *shown(int vr, double value, char text[200])
     char number[40];
     snprintf(number, sizeof number, v->kind == 'R' ? "%.10g" : "%.0f", isnan(value) ? fabs(value) : value);
     const char *is = v->kind == 'B' ? (value != 0.0 ? "True" : "False") : number;
-    snprintf(text, 200, "%s = %s%s%s", v->scene_name, is, *v->unit ? " " : "", v->unit);
+    snprintf(text, 200, "%s = %s%s%s", v->name, is, *v->unit ? " " : "", v->unit);
     return text;
 }
 

@@ -25,7 +25,7 @@ from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulated import parts_of
 from fmu_src import entries
 from fmu_src.entries import Variant
-from fmu_src.interface import CPU_TIME, EFFECTS, Variable
+from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables
 from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.export import ENTRY
 from fmu_src.native.rules import AtStart, Rules
@@ -33,7 +33,7 @@ from fmu_src.order import STEP_SLACK, TIME_SLACK
 
 TYPES = """
 typedef struct {
-    const char *name, *scene_name, *unit;
+    const char *name, *unit;
     char kind, causality; /* R I B S; i(nput) o(utput) p(arameter) l(ocal) */
     double start, least, most, hole, gap, usual; /* nothing between hole and gap; usual: the scene's default */
     int above, angle; /* whether `least` itself is refused; whether only a direction across the x axis counts as nonzero */
@@ -49,7 +49,7 @@ typedef struct { int variable, below_zero; } Number; /* the second takes the pla
 
 
 def _text(value: str) -> str:
-    return json.dumps(value)
+    return json.dumps(in_variables(value))
 
 
 def _number(value: float | None, missing: float) -> str:
@@ -78,7 +78,7 @@ def _array(kind: str, name: str, lines: Iterable[str], size: str = "") -> str:
 def _variable(row: Variable, rules: Rules, vr: int) -> str:
     limit = rules.limits.get(vr)
     unit = limit.unit if limit else row.unit.removeprefix("1")
-    facts = [_text(row.name), _text(row.scene_name or row.name), _text(unit), f"'{row.kind[0]}'", f"'{row.causality[0]}'"]
+    facts = [_text(row.name), _text(unit), f"'{row.kind[0]}'", f"'{row.causality[0]}'"]
     facts += [
         _number(row.start, 0.0),
         _number(row.minimum, -math.inf),
