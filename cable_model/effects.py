@@ -82,7 +82,7 @@ EFFECTS = (
         costs={"water": _WATER},
     ),
     Effect(
-        "surface", "water surface: dry above it", Given("water.surface"), ("water.surface",), needs=("water",), models=(CHAIN,),
+        "surface", "water surface: dry above it", Given("water.surface"), ("water.surface",), needs=("water",),
         told_to_peers=True, grids=(STAGGERED,), asked=On("water") & Given("water.surface") & High("top.position"),
         remedy='Set solver.grid = "staggered", or water.surface = false if that is meant.',
         parameters=("water.surface",), left_out={"water.surface": False},

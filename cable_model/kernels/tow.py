@@ -56,6 +56,12 @@ class Tow(NamedTuple):
     force: float  # force scale: weights in the medium
     pendulum: float  # frequency scale of swinging, 1/s
     axial: float  # frequency of stretching, 1/s
+    added_x: float  # of M_x and M_y what is added mass
+    added_y: float
+    lift: float  # buoyancy of the whole cable, N, and of the body
+    body_lift: float
+    radius: float  # of the cable
+    body_radius: float  # of the sphere of the body's volume, no less than the cable's
 
 
 @kernel
@@ -90,13 +96,14 @@ def density_of(water, p):
 
 @kernel
 def body_masses(body, water, p):
-    """Of the body: mass, added mass for horizontal and vertical motion, displaced mass, weight, 1/2 rho C_D A across and along its axis."""
+    """Of the body: mass, added mass for horizontal and vertical motion, displaced mass, weight, 1/2 rho C_D A across and along its axis,
+    radius."""
     if body is None:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     b = body_part(body, water, p)
     density = density_of(water, p)
     vertical = p[0].tow.added_mass_vertical if density > 0.0 else 0.0
-    return b.mass, b.added_mass, vertical, b.displaced_mass, b.weight, b.drag, 0.5 * density * p[0].tow.drag_area_axial
+    return b.mass, b.added_mass, vertical, b.displaced_mass, b.weight, b.drag, 0.5 * density * p[0].tow.drag_area_axial, b.radius
 
 
 @kernel
@@ -122,7 +129,7 @@ def constants(parts, p):
     diameter = zero_tension_diameter(parts.as_printed, cable.diameter, contraction * stretch)
     mass = cable.mass * cable.length
     added = p[0].cable.added_mass_coefficient * density * 0.25 * math.pi * diameter * diameter
-    own, added_x, added_y, displaced, body_weight, drag, drag_axial = body_masses(parts.body, parts.water, p)
+    own, added_x, added_y, displaced, body_weight, drag, drag_axial, body_radius = body_masses(parts.body, parts.water, p)
     mass_x, mass_y = own + added_x, own + added_y
     inertia = kept_inertia(parts.cable_mass, parts.as_printed, mass)
     return Tow(
@@ -154,6 +161,12 @@ def constants(parts, p):
         total_weight(parts, p),
         max(math.sqrt(abs(cable.gravity) / cable.length), 1e-3),
         math.sqrt(spring / max(min(mass_x, mass_y) + inertia / 3.0, 1e-300)),
+        added_x,
+        added_y,
+        density * displaced_area(p) * cable.length * cable.gravity,
+        displaced * cable.gravity,
+        0.5 * cable.diameter,
+        body_radius,
     )
 
 
@@ -174,8 +187,8 @@ def mean_tension(tension_floor, c, motion, slack):
 
 
 @kernel
-def cable_inertia(cable_mass, c, top, motion):
-    """Forces of the cable's mass and added mass on phi and u, without those in A1 and A3."""
+def cable_inertia(cable_mass, c, top, motion, wet):
+    """Forces of the cable's mass and added mass on phi and u, without those in A1 and A3; `wet` as tow_surface.Wet."""
     if cable_mass is None:
         return 0.0, 0.0
     phi, w, u, ud = motion
@@ -183,12 +196,14 @@ def cable_inertia(cable_mass, c, top, motion):
     vn, vt = turned(top[1], top[4], math.sin(phi), math.cos(phi))
     an, at = turned(top[2], top[5], math.sin(phi), math.cos(phi))
     ma, ma_rate = added_masses(c, u)
-    swing = 0.5 * length * an + 2.0 / 3.0 * length * ud * w
-    r1 = -c.mass * swing - ma * (swing + 0.5 * vn * ud + vn * vt) - ma_rate * ud * length * (0.5 * vn + length * w / 3.0)
+    moved, turning = 0.5 * length * an, 2.0 / 3.0 * length * ud * w
+    wet_swing = wet.first * moved + wet.second * turning + wet.first * (0.5 * vn * ud) + wet.whole * (vn * vt)
+    wet_turn = wet.first * (0.5 * vn) + wet.second * (length * w / 3.0)
+    r1 = -c.mass * (moved + turning) - ma * wet_swing - ma_rate * ud * length * wet_turn
     r2 = (
         -c.mass * (0.5 * at - length * w * w / 3.0)
-        + ma * w * (0.5 * vn + length * w / 3.0)
-        + 0.5 * ma_rate * (vn * vn + vn * w * length + length * length * w * w / 3.0)
+        + ma * w * wet_turn
+        + 0.5 * ma_rate * (wet.whole * (vn * vn) + wet.first * (vn * w * length) + wet.second * (length * length * w * w / 3.0))
     )
     return r1, r2
 
@@ -203,20 +218,20 @@ def accelerations(parts, c, top, time, motion, slack):
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    q1, q2, _, _ = cable_water(parts.water, parts, c, top, time, motion)
-    dx, dy = body_water(parts.body, parts.water, parts, c, top, time, motion)
-    i1, i2 = cable_inertia(parts.cable_mass, c, top, motion)
-    alpha = c.mass_x * (top[2] - 2.0 * ud * w * cos + length * w * w * sin)
-    beta = c.mass_y * (top[5] - 2.0 * ud * w * sin - length * w * w * cos)
+    q1, q2, _, _, wet = cable_water(parts.water, parts, c, top, time, motion)
+    dx, dy, mass_x, mass_y = body_water(parts.body, parts.water, parts, c, top, time, motion)
+    i1, i2 = cable_inertia(parts.cable_mass, c, top, motion, wet)
+    alpha = mass_x * (top[2] - 2.0 * ud * w * cos + length * w * w * sin)
+    beta = mass_y * (top[5] - 2.0 * ud * w * sin - length * w * w * cos)
     weight = c.body_weight + 0.5 * c.weight
     # body drag turns and pulls as eq 37; both equations of phi are divided by L
     r1 = cos * alpha + sin * beta - sin * weight - dx * cos - dy * sin + (i1 + q1) / length
     r2 = sin * alpha - cos * beta + cos * weight - dx * sin + dy * cos + i2 + q2
     r2 -= mean_tension(parts.tension_floor, c, motion, slack)
     thin = 1.0 - c.contraction * u
-    a1 = (c.mass_inertia + c.added_inertia * thin * thin * length) / 3.0 + c.mass_x * cos * cos + c.mass_y * sin * sin
-    a2 = sin * cos * (c.mass_x - c.mass_y)
-    a3 = c.mass_inertia / 3.0 + c.mass_x * sin * sin + c.mass_y * cos * cos
+    a1 = (c.mass_inertia + wet.second * (c.added_inertia * thin * thin * length)) / 3.0 + mass_x * cos * cos + mass_y * sin * sin
+    a2 = sin * cos * (mass_x - mass_y)
+    a3 = c.mass_inertia / 3.0 + mass_x * sin * sin + mass_y * cos * cos
     det = 1.0 / (a1 * a3 - a2 * a2)
     return (a3 * r1 - a2 * r2) * det / length, (a1 * r2 - a2 * r1) * det
 
@@ -232,20 +247,21 @@ def end_forces(parts, c, top, time, motion, slack):
     cos = math.cos(phi)
     length = c.length + u
     wd, udd = accelerations(parts, c, top, time, motion, slack)
-    _, _, cx, cy = cable_water(parts.water, parts, c, top, time, motion)
-    dx, dy = body_water(parts.body, parts.water, parts, c, top, time, motion)
+    _, _, cx, cy, wet = cable_water(parts.water, parts, c, top, time, motion)
+    dx, dy, mass_x, mass_y = body_water(parts.body, parts.water, parts, c, top, time, motion)
     ax = top[2] - udd * sin - 2.0 * ud * w * cos - length * (cos * wd - sin * w * w)
     ay = top[5] + udd * cos - 2.0 * ud * w * sin - length * (sin * wd + cos * w * w)
     # force of the cable on the body
-    bx = c.mass_x * ax - dx
-    by = c.mass_y * ay - dy - c.body_weight
+    bx = mass_x * ax - dx
+    by = mass_y * ay - dy - c.body_weight
     vn, vt = turned(top[1], top[4], sin, cos)
     an, at = turned(top[2], top[5], sin, cos)
     ma, ma_rate = added_masses(c, u)
-    half = vn + 0.5 * length * w
+    half = wet.whole * vn + wet.first * (0.5 * length * w)
     along = c.mass * (at + 0.5 * udd - 0.5 * length * w * w) - ma * w * half
     turn = ud * w + 0.5 * length * wd
-    across = c.mass * (an + turn) + ma_rate * ud * half + ma * (an - w * vt + 0.5 * ud * w + 0.5 * length * wd)
+    wet_across = wet.whole * (an - w * vt) + wet.first * (0.5 * ud * w) + wet.first * (0.5 * length * wd)
+    across = c.mass * (an + turn) + ma_rate * ud * half + ma * wet_across
     fx = bx - along * sin - across * cos - cx
     fy = by + along * cos - across * sin - cy - c.weight
     return fx, fy, fx * sin - fy * cos, mean_tension(parts.tension_floor, c, motion, slack), bx * sin - by * cos

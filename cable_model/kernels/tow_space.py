@@ -12,9 +12,8 @@ motion in one vertical plane is then that of tow.py, and a scene turned about th
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.header import NEWTON, NO_EQUILIBRIUM, OK, PENDING, REJECTED, STEPS, TIME, TOP
+from cable_model.kernels.header import NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.top import evaluate
 from cable_model.kernels.tow import (
     STATE,
@@ -48,7 +47,6 @@ from cable_model.kernels.vector import (
 DIRECTION = STATE  # e, 3 numbers
 TURNING = STATE + 3  # e'
 STATE_IN_SPACE = STATE + 6
-STATIC_ITERATIONS = 300
 
 
 class Frame(NamedTuple):
@@ -125,8 +123,11 @@ def across_only(e, a):
 
 
 @kernel
-def added_mass_forces(cable_mass, c, top, swing, u, ud):
-    """What the cable's added mass puts on the right-hand side of R's equations; M_a = M_a(u) sees velocities across the cable only."""
+def added_mass_forces(cable_mass, c, top, swing, u, ud, wet):
+    """What the cable's added mass puts on the right-hand side of R's equations; M_a = M_a(u) sees velocities across the cable only.
+
+    `wet` as tow_surface.Wet: moments of its wet part over those of the whole.
+    """
     if cable_mass is None:
         return zero(swing.e)
     _, v, a = top
@@ -135,15 +136,17 @@ def added_mass_forces(cable_mass, c, top, swing, u, ud):
     mass, by_stretch = added_masses(c, u)
     v_along = dot(v, e)
     v_across = across_only(e, v)
-    squared = dot(v_across, v_across) + length * (dot(v_across, w) + length * dot(w, w) / 3.0)
+    squared = wet.first * dot(v_across, w) + wet.second * (length * dot(w, w) / 3.0)
+    squared = wet.whole * dot(v_across, v_across) + length * squared
     # -d/dt of the momentum without R''
-    force = scale(-by_stretch * ud, mix(0.5, v_across, length / 3.0, w))
+    force = scale(-by_stretch * ud, mix(wet.first * 0.5, v_across, wet.second * (length / 3.0), w))
     turning = add(scale(v_along, w), scale(dot(v, w), e))
-    force = axpy(-0.5 * mass, sub(across_only(e, a), turning), force)
-    force = axpy(mass / 3.0, mix(ud, w, length * dot(w, w), e), force)
+    force = axpy(wet.first * (-0.5 * mass), sub(across_only(e, a), turning), force)
+    force = axpy(wet.second * (mass / 3.0), mix(ud, w, length * dot(w, w), e), force)
     # dK/dR
     force = axpy(0.5 * by_stretch * squared, e, force)
-    sum_across = mix(2.0 * v_along + ud, v_across, length * (v_along + 2.0 / 3.0 * ud), w)
+    by_w = length * (wet.first * v_along + wet.second * (2.0 / 3.0 * ud))
+    sum_across = mix(wet.whole * (2.0 * v_along) + wet.first * ud, v_across, by_w, w)
     return axpy(-0.5 * mass / length, sum_across, force)
 
 
@@ -153,16 +156,17 @@ def turning_and_stretching(parts, c, top, time, swing, u, ud, slack):
     _, _, a = top
     e, w = swing.e, swing.rate
     length = c.length + u
-    arm, _ = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
-    drag = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    arm, _, wet = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    drag, mass_x, mass_y = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
     force = add(arm, drag)
     force = axpy(-0.5 * c.mass, a, force)
-    force = (force[0] - c.mass_x * a[0], force[1] - c.mass_x * a[1], force[2] - c.mass_y * a[2] - c.body_weight - 0.5 * c.weight)
-    force = add(force, added_mass_forces(parts.cable_mass, c, top, swing, u, ud))
+    force = (force[0] - mass_x * a[0], force[1] - mass_x * a[1], force[2] - mass_y * a[2] - c.body_weight - 0.5 * c.weight)
+    force = add(force, added_mass_forces(parts.cable_mass, c, top, swing, u, ud, wet))
     force = axpy(-mean_tension(parts.tension_floor, c, (0.0, 0.0, u, ud), slack), e, force)
     mass, _ = added_masses(c, u)
+    mass *= wet.second
     inertia = add_matrix(diagonal((c.mass_inertia + mass) / 3.0, e), scale_matrix(-mass / 3.0, outer(e, e)))
-    inertia = add_matrix(inertia, (c.mass_x, 0.0, 0.0, 0.0, c.mass_x, 0.0, 0.0, 0.0, c.mass_y))
+    inertia = add_matrix(inertia, (mass_x, 0.0, 0.0, 0.0, mass_x, 0.0, 0.0, 0.0, mass_y))
     r = apply(inverse(inertia), force)
     stretching = dot(r, e) + length * dot(w, w)
     turning = scale(1.0 / length, axpy(-stretching, e, axpy(-2.0 * ud, w, r)))
@@ -237,15 +241,16 @@ def end_forces_in_space(parts, c, top, time, swing, u, ud, slack):
     length = c.length + u
     turning, stretching = turning_and_stretching(parts, c, top, time, swing, u, ud, slack)
     r = add(mix(stretching, e, 2.0 * ud, w), scale(length, turning))
-    _, drag = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
-    pull = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
+    _, drag, wet = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
+    pull, mass_x, mass_y = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
     b = add(a, r)
-    b = sub((c.mass_x * b[0], c.mass_x * b[1], c.mass_y * b[2] + c.body_weight), pull)
+    b = sub((mass_x * b[0], mass_x * b[1], mass_y * b[2] + c.body_weight), pull)
     mass, by_stretch = added_masses(c, u)
     f = axpy(c.mass, axpy(0.5, r, a), b)
-    f = axpy(by_stretch * ud, axpy(0.5 * length, w, across_only(e, v)), f)
+    f = axpy(by_stretch * ud, axpy(wet.first * (0.5 * length), w, scale(wet.whole, across_only(e, v))), f)
     carried = add(scale(dot(e, v), w), scale(dot(w, v), e))
-    f = axpy(mass, sub(axpy(0.5, mix(ud, w, length, turning), across_only(e, a)), carried), f)
+    swept = axpy(wet.first * 0.5, mix(ud, w, length, turning), scale(wet.whole, across_only(e, a)))
+    f = axpy(mass, sub(swept, scale(wet.whole, carried)), f)
     f = sub(f, drag)
     f = (f[0], f[1], f[2] + c.weight)
     return f, -dot(f, e), mean_tension(parts.tension_floor, c, (0.0, 0.0, u, ud), slack), -dot(b, e)
@@ -275,72 +280,6 @@ def outputs_in_space(space, parts, p, state, work, out):
     out[15] = state[STEPS]
     out[16] = state[NEWTON]
     out[17] = state[REJECTED]
-
-
-@kernel
-def resting_load(parts, c, top, e, u):
-    """Generalized force on R of weight and steady current, with the cable at rest."""
-    swing = Swing(e, zero(e), e, e)
-    arm, _ = cable_water_in_space(parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
-    load = add(arm, body_water_in_space(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0))
-    return (load[0], load[1], load[2] - c.body_weight - 0.5 * c.weight)
-
-
-@kernel
-def _turned(frame, x1, x2):
-    return swing_of(frame, (x1, 0.0, 0.0, 0.0, x2, 0.0)).e
-
-
-@kernel
-def balance(parts, c, top):
-    """Direction and stretch at rest in the steady current, and whether they balance: Newton from the vertical on the part across."""
-    still = (top[0], zero(top[0]), zero(top[0]))
-    hanging = c.body_weight + 0.5 * c.weight >= 0.0
-    e = (0.0, 0.0, -1.0 if hanging else 1.0)
-    u = abs(c.body_weight + 0.5 * c.weight) / c.spring
-    gap = math.inf
-    for _ in range(STATIC_ITERATIONS):
-        load = resting_load(parts, c, still, e, u)
-        u = dot(load, e) / c.spring
-        if not u > -0.9 * c.length:
-            return e, u, False
-        load = resting_load(parts, c, still, e, u)
-        gap = norm(across_only(e, load)) + abs(dot(load, e) - c.spring * u)
-        if gap <= 1e-13 * c.force:
-            break
-        frame = frame_of(e)
-        d = 1e-6
-        r1, r2 = dot(load, frame.a), dot(load, frame.b)
-        ahead = resting_load(parts, c, still, _turned(frame, d, 0.0), u)
-        aside = resting_load(parts, c, still, _turned(frame, 0.0, d), u)
-        # across the turned cable: the load's part along e turns with it
-        j11 = (dot(ahead, frame.a) - r1) / d - dot(ahead, e)
-        j21 = (dot(ahead, frame.b) - r2) / d
-        j12 = (dot(aside, frame.a) - r1) / d
-        j22 = (dot(aside, frame.b) - r2) / d - dot(aside, e)
-        det = j11 * j22 - j12 * j21
-        pull = max(norm(load), 1e-300)
-        x1, x2 = 0.2 * r1 / pull, 0.2 * r2 / pull  # downhill, where Newton's way does not lead to a stable balance
-        if det > 0.0 and j11 + j22 < 0.0:
-            x1, x2 = (j12 * r2 - j22 * r1) / det, (j21 * r1 - j11 * r2) / det
-        size = math.sqrt(x1 * x1 + x2 * x2)
-        if size > 0.2:
-            x1, x2 = 0.2 * x1 / size, 0.2 * x2 / size
-        e = unit(_turned(frame, x1, x2))
-    return e, u, gap <= 1e-9 * c.force
-
-
-@kernel
-def hang_in_space(space, parts, c, state):
-    """Put the state at rest under its top; returns a status."""
-    e, u, balanced = balance(parts, c, top_of(state))
-    if not balanced:
-        return NO_EQUILIBRIUM
-    row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)
-    store(row, 0, e)
-    store(row, 1, zero(e))
-    state[STRETCH] = u
-    return OK
 
 
 @kernel

@@ -7,7 +7,10 @@ from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE,
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
-from cable_model.kernels.tow_space import STATE_IN_SPACE, hang_in_space, node_positions_in_space
+from cable_model.kernels.tow_space import STATE_IN_SPACE, node_positions_in_space
+from cable_model.kernels.tow_static_space import hang_in_space
+from cable_model.kernels.tow_surface import lost_buoyancy
+from cable_model.kernels.tow_trial import next_stretch, no_trial
 from cable_model.kernels.tow_water import body_water, cable_water
 
 SCAN = 36  # intervals on each side of the vertical in which equilibria are looked for
@@ -20,28 +23,45 @@ def still_loads(parts, c, x, y, phi, u):
     motion = (phi, 0.0, u, 0.0)
     sin = math.sin(phi)
     cos = math.cos(phi)
-    q1, q2, _, _ = cable_water(parts.water, in_calm_water(parts), c, top, 0.0, motion)
-    dx, dy = body_water(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    q1, q2, _, _, _ = cable_water(parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    dx, dy, _, _ = body_water(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
     weight = c.body_weight + 0.5 * c.weight
     return (c.length + u) * (-sin * weight - dx * cos - dy * sin) + q1, cos * weight - dx * sin + dy * cos + q2
+
+
+@kernel
+def _heaviness(parts, c, x, y, phi, u):
+    """Weight in water and air that turns the cable at an angle, N."""
+    length = c.length + u
+    reach = (-length * math.sin(phi), -length * math.cos(phi))
+    return c.body_weight + 0.5 * c.weight + lost_buoyancy(parts.surface, in_calm_water(parts), c, (x, -y), reach)
 
 
 @kernel
 def stable_angle(parts, c, x, y, u):
     """Angle of stable balance nearest to the vertical that gravity and buoyancy prefer; NaN where there is none."""
     hang = 0.0
-    if c.body_weight + 0.5 * c.weight < 0.0:
+    if _heaviness(parts, c, x, y, 0.0, u) < 0.0:
         hang = math.pi
     middle, _ = still_loads(parts, c, x, y, hang, u)
-    if middle == 0.0:
+    held_up = hang > 0.0 and _heaviness(parts, c, x, y, hang, u) > 0.0  # afloat, but not in the air
+    if held_up and abs(middle) <= 1e-12 * c.force * c.length:
+        middle = 0.0
+    if middle == 0.0 and not held_up:
         return hang
+    first = -1.0 if held_up and middle < 0.0 else 1.0  # of two floats at rest the one that the current pulls at
     step = math.pi / SCAN
     for j in range(SCAN):
-        for side in (1.0, -1.0):
+        for side in (first, -first):
             low = hang + min(side * j * step, side * (j + 1) * step)
             high = low + step
             m_low, _ = still_loads(parts, c, x, y, low, u)
             m_high, _ = still_loads(parts, c, x, y, high, u)
+            if held_up and j == 0:
+                if side > 0.0:
+                    m_low = middle
+                else:
+                    m_high = middle
             if m_low >= 0.0 and m_high <= 0.0 and m_low > m_high:
                 for _ in range(60):
                     phi = 0.5 * (low + high)
@@ -58,13 +78,14 @@ def stable_angle(parts, c, x, y, u):
 def equilibrium(parts, c, x, y):
     """Angle and stretch at rest in the steady current, and whether they balance."""
     u = (c.body_weight + 0.5 * c.weight) / c.spring
+    search = no_trial()
     for _ in range(200):
         phi = stable_angle(parts, c, x, y, u)
         if not abs(phi) < 10.0:
             return 0.0, 0.0, False
         _, pull = still_loads(parts, c, x, y, phi, u)
         gap = pull / c.spring - u
-        u += gap
+        u, search = next_stretch(parts.surface, u, gap, search)
         if not u > -0.9 * c.length:
             return 0.0, 0.0, False
         if abs(gap) * c.spring <= 1e-13 * c.force:

@@ -6,8 +6,20 @@ load is the displaced mass times the whole acceleration of the water, and the ad
 
 import math
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.fluid import current_velocity
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.tow_surface import (
+    Wet,
+    body_forces,
+    no_loads,
+    segment,
+    sphere,
+    surface_forces,
+    virtual_masses,
+    wetness,
+    with_segment,
+)
 from cable_model.kernels.waves import wave_motion
 
 
@@ -56,18 +68,34 @@ def added_masses(c, u):
 
 
 @kernel
-def _add_push(waves, middle, rate, pushed):
-    """Sums over the segments of the water's acceleration along n and t, and of its moments, from those so far."""
+def _add_push(waves, wet, middle, rate, pushed):
+    """Sums over the segments' wet shares of the water's acceleration along n and t, and of its moments, from those so far."""
     if waves is None:
         return pushed
-    return (pushed[0] + rate[0], pushed[1] + rate[1], pushed[2] + middle * rate[0], pushed[3] + middle * rate[1])
+    n, t = wet * rate[0], wet * rate[1]
+    return (pushed[0] + n, pushed[1] + t, pushed[2] + middle * n, pushed[3] + middle * t)
+
+
+@kernel
+def _wet_forces(surface, c, added, loads, sin, cos, length, forces):
+    return forces
+
+
+@kernel
+def _wet_in_part(surface, c, added, loads, sin, cos, length, forces):
+    arm, total = surface_forces(surface, c, added, loads)
+    across, along = turned(arm[0], -arm[1], sin, cos)
+    return forces[0] + length * across, forces[1] + along, forces[2] + total[0], forces[3] - total[1]
+
+
+_at_surface = by_presence(_wet_forces, _wet_in_part)
 
 
 @kernel
 def cable_water(water, parts, c, top, time, motion):
-    """Generalized forces of the water on phi and u, and its force (x, y down), on the whole cable [Wang 1971, eqs 38-45]."""
+    """Generalized forces of the water on phi and u, its force (x, y down), and how wet the cable is [Wang 1971, eqs 38-45]."""
     if water is None:
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0, Wet(1.0, 1.0, 1.0)
     phi, phi_rate, u, u_rate = motion
     sin = math.sin(phi)
     cos = math.cos(phi)
@@ -78,20 +106,27 @@ def cable_water(water, parts, c, top, time, motion):
     normal = 0.0
     tangential = 0.0
     pushed = (0.0, 0.0, 0.0, 0.0)
+    # z up, as the surface asks for them
+    e = (-sin, -cos)
+    velocity = (top[1], -top[4])
+    turning = (-u_rate * sin - length * cos * phi_rate, -u_rate * cos + length * sin * phi_rate)
+    loads = no_loads(e)
     for i in range(c.segments):
-        middle = (i + 0.5) / c.segments
+        seg = segment(parts.surface, parts, c, i, (top[0], -top[3]), (length * e[0], length * e[1]), time)
+        middle = seg.middle
         s = middle * length
         vx, vy, ax, ay = water_flow(parts, top[0] - s * sin, top[3] + s * cos, time)
+        loads = with_segment(parts.surface, loads, seg, velocity, (vx, -vy), turning, e)
         across, along = turned(vx, vy, sin, cos)
         across -= across_top + s * phi_rate
         along -= along_top + middle * u_rate
-        fn = abs(across) * across
-        ft = abs(along) * along
+        fn = seg.wet * (abs(across) * across)
+        ft = seg.wet * (abs(along) * along)
         normal += fn
         tangential += ft
         moment += middle * fn
         pull += tangential_weight(parts.as_printed, middle) * ft
-        pushed = _add_push(parts.waves, middle, turned(ax, ay, sin, cos), pushed)
+        pushed = _add_push(parts.waves, seg.wet, middle, turned(ax, ay, sin, cos), pushed)
     area = (1.0 - c.contraction * u) * length / c.segments
     added, _ = added_masses(c, u)
     kn = c.normal_drag * area
@@ -101,27 +136,51 @@ def cable_water(water, parts, c, top, time, motion):
     fn = kn * normal + push_n * pushed[0]
     ft = kt * tangential + push_t * pushed[1]
     moment = kn * length * moment + push_n * length * pushed[2]
-    return moment, kt * pull + push_t * pushed[3], -fn * cos - ft * sin, -fn * sin + ft * cos
+    forces = (moment, kt * pull + push_t * pushed[3], -fn * cos - ft * sin, -fn * sin + ft * cos)
+    moment, pull, fx, fy = _at_surface(parts.surface, c, added, loads, sin, cos, length, forces)
+    return moment, pull, fx, fy, wetness(parts.surface, loads)
+
+
+@kernel
+def _deep_body(surface, c, ball, velocity, flow, force):
+    return force
+
+
+@kernel
+def _bobbing_body(surface, c, ball, velocity, flow, force):
+    change = body_forces(surface, c, ball, velocity, flow)
+    return ball.wet * force[0] + change[0], ball.wet * force[1] - change[1]
+
+
+_body_at_surface = by_presence(_deep_body, _bobbing_body)
 
 
 @kernel
 def body_water(body, water, parts, c, top, time, motion):
-    """Force of the water (x, y down) on the body: drag by the law of spheres or of disks [Wang 1971, eqs 32-35], and the waves' push."""
+    """Force of the water (x, y down) on the body: drag by the law of spheres or of disks [Wang 1971, eqs 32-35], the waves' push, and
+    what the surface changes; and its virtual masses."""
     if body is None or water is None:
-        return 0.0, 0.0
+        return 0.0, 0.0, c.mass_x, c.mass_y
     phi, phi_rate, u, u_rate = motion
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    vx, vy, ax, ay = water_flow(parts, top[0] - length * sin, top[3] + length * cos, time)
-    vx -= top[1] - u_rate * sin - length * cos * phi_rate
-    vy -= top[4] + u_rate * cos - length * sin * phi_rate
+    x, y = top[0] - length * sin, top[3] + length * cos
+    ball = sphere(parts.surface, parts, c, (x, -y), time)
+    flow_x, flow_y, ax, ay = water_flow(parts, x, y + ball.drop, time)
+    body_x = top[1] - u_rate * sin - length * cos * phi_rate
+    body_y = top[4] + u_rate * cos - length * sin * phi_rate
+    mass_x, mass_y = virtual_masses(parts.surface, c, ball)
+    vx, vy = flow_x - body_x, flow_y - body_y
     push_x = c.pushed_x * ax
     push_y = c.pushed_y * ay
     if c.sphere:
         k = c.body_drag * math.sqrt(vx * vx + vy * vy)
-        return k * vx + push_x, k * vy + push_y
-    across, along = turned(vx, vy, c.body_sin, c.body_cos)
-    dt = c.body_drag_axial * abs(along) * along
-    dn = c.body_drag * abs(across) * across
-    return push_x - c.body_sin * dt - c.body_cos * dn, push_y + c.body_cos * dt - c.body_sin * dn
+        fx, fy = k * vx + push_x, k * vy + push_y
+    else:
+        across, along = turned(vx, vy, c.body_sin, c.body_cos)
+        dt = c.body_drag_axial * abs(along) * along
+        dn = c.body_drag * abs(across) * across
+        fx, fy = push_x - c.body_sin * dt - c.body_cos * dn, push_y + c.body_cos * dt - c.body_sin * dn
+    fx, fy = _body_at_surface(parts.surface, c, ball, (body_x, -body_y), (flow_x, -flow_y), (fx, fy))
+    return fx, fy, mass_x, mass_y
