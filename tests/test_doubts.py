@@ -303,12 +303,13 @@ def test_accelerations_that_do_not_go_with_the_velocities_are_told_where_they_co
 
 
 def test_ends_above_the_water_are_told_where_the_surface_is_not_simulated():
-    wet = {"water.density": 1025.0}
+    wet = {"water.density": 1025.0, "water.surface": False}
     scene, inputs = heaving(2.0, wet)
     (text,) = told(scene, inputs)
     assert re.match(r"an end of the cable at z = 1\.\d+ m, above 1 m: ", text)  # a hundredth of the length is let pass
     assert not told(*heaving(0.9, wet))
     assert not told(*heaving(2.0))
+    assert not told(*heaving(2.0, {"water.density": 1025.0}), steps=5)
     assert told(scene, moved(inputs, z=0.1), steps=1)[0].startswith("an end of the cable at z = 0.1 m, above 0.0001 m: ")
     assert not told(scene, moved(inputs, z=-2.0))
 

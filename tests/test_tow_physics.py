@@ -271,7 +271,7 @@ def test_wangs_tangential_coefficient_multiplies_the_diameter():
     """[Wang 1971, eq 44] without a pi; half of a hoist's drag works on the stretch, its point being in the middle on average."""
     c = kernels.constants(WET, kernel_numbers({"tow.poisson_ratio": 0.0, "tow.reference_tension": 0.0}))
     hoist = (0.0, 0.0, 0.0, 0.0, -2.0, 0.0)
-    q_phi, q_u, fx, fy = tow_water.cable_water(True, Parts(), c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
+    q_phi, q_u, fx, fy, _ = tow_water.cable_water(True, Parts(), c, hoist, 0.0, (0.0, 0.0, 0.0, 0.0))
     assert fy == pytest.approx(0.5 * 1025.0 * 0.02 * 60.0 * 0.03 * 2.0**2, rel=1e-12)
     assert q_u == pytest.approx(0.5 * fy, rel=1e-12)
     assert (q_phi, fx) == (0.0, 0.0)
