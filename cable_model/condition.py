@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 class Condition:
-    """Joined with `&`, `|` and `~`; what it asks for are Given, Chosen, Changed, High and On."""
+    """Joined with `&`, `|` and `~`; what it asks for are Given, Chosen, Changed and On."""
 
     def __and__(self, other: Condition) -> Condition:
         return Both(self, other)
@@ -38,13 +38,6 @@ class Chosen(Condition):
 @dataclass(frozen=True)
 class Changed(Condition):
     """The value is not its default."""
-
-    name: str
-
-
-@dataclass(frozen=True)
-class High(Condition):
-    """The position is above still water."""
 
     name: str
 
@@ -87,7 +80,7 @@ def leaves(condition: Condition | None) -> list[Condition]:
 
 def names(condition: Condition) -> list[str]:
     """The names of the values that a condition asks for, in their order."""
-    return [leaf.name for leaf in leaves(condition) if isinstance(leaf, Given | Chosen | Changed | High)]
+    return [leaf.name for leaf in leaves(condition) if isinstance(leaf, Given | Chosen | Changed)]
 
 
 Literal = tuple[int, bool]  # a variable of an FMU, and whether its value is given; or CHANGED beyond it, and whether it is not the usual

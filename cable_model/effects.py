@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from cable_model import tables
-from cable_model.condition import Changed, Chosen, Condition, Given, High, On
+from cable_model.condition import Changed, Chosen, Condition, Given, On
 from cable_model.kernels.parts import parts_type
 
 CHAIN, TOW = "chain", "tow"
@@ -83,8 +83,7 @@ EFFECTS = (
     ),
     Effect(
         "surface", "water surface: dry above it", Given("water.surface"), ("water.surface",), needs=("water",),
-        told_to_peers=True, grids=(STAGGERED,), asked=On("water") & Given("water.surface") & High("top.position"),
-        remedy='Set solver.grid = "staggered", or water.surface = false if that is meant.',
+        told_to_peers=True,
         parameters=("water.surface",), left_out={"water.surface": False},
         costs={"water without a surface": {**_WATER, "water.surface": False}},
     ),

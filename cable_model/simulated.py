@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.condition import CHANGED, Case, Changed, Chosen, Condition, Given, High, On, cases, holds, leaves, names
+from cable_model.condition import CHANGED, Case, Changed, Chosen, Condition, Given, On, cases, holds, names
 from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, INSTEAD, PARAMETERS, TOW, Effect, Parts, record
 from cable_model.errors import ParameterError, refuse
 from cable_model.parameters import field_of, value_of
@@ -45,8 +45,6 @@ def true(condition: Condition, scene: Any, model: str) -> bool:
             return bool(value_of(scene, asked.name) == asked.choice)
         if isinstance(asked, Changed):
             return bool(value_of(scene, asked.name) != field_of(asked.name).default)
-        if isinstance(asked, High):
-            return bool(value_of(scene, asked.name)[2] > 0.0)
         assert isinstance(asked, On)
         return is_on(BY_NAME[asked.effect], scene, model)
 
@@ -120,8 +118,6 @@ def _refusal(effect: Effect, scene: Any, where: str, remedy: str) -> ParameterEr
     changed = [name for name in names(condition) if value_of(scene, name) != field_of(name).default] if condition is not None else []
     name = changed[0] if changed else decides(effect, scene)
     value, unit, default = value_of(scene, name), field_of(name).metadata["unit"], field_of(name).default
-    if High(name) in leaves(condition):
-        return refuse(f"{name}[2]", value[2], unit, f"<= 0 {where}, which has water above z = 0 too", remedy)
     if isinstance(value, tuple):
         return refuse(name, len(value), "rows", f"empty {where}", remedy)
     wanted = str(default).lower() if isinstance(value, bool) else str(default) if isinstance(value, str) else f"{default:g}"

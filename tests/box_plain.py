@@ -8,16 +8,18 @@ import json
 import sys
 
 import numpy as np
-from chain_support import HANGING, WEIGHT, drive, every, make, still, view
+from chain_support import HANGING, WEIGHT, drive, every, make, still, swing, view
 from scipy.linalg import eig
 
 from cable_model.effects import Parts
+from cable_model.errors import SolverError
 from cable_model.kernels import box, box_step
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box_law import Gains, unknowns
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.problem import Body, Cable, Water
 from cable_model.kernels.staggered_step import Numeric, Problem
+from cable_model.signals import OUTPUTS
 
 WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]])
 SHEARED = np.array([[-5.0, 0.2, 0.0], [-0.5, 1.0, 0.0], [1.0, 2.0, 0.0]])
@@ -44,7 +46,7 @@ def dense(blocks, lower, upper):
 class Step:
     """One step of 0.02 s from a random state of four nodes, on which rows and their derivatives can be looked at."""
 
-    def __init__(self, parts, pull=0.0, seed=1, roughness=0.3):
+    def __init__(self, parts, pull=0.0, seed=1, roughness=0.3, height=-0.2, thick=False):
         rng = np.random.default_rng(seed)
         self.parts = parts
         self.like = unknowns(parts.bending)
@@ -54,9 +56,9 @@ class Step:
         self.h = 0.02
         self.mesh = np.array([[0.3, 0.5], [0.5, 0.5], [0.9, 0.5]])
         self.problem = Problem(
-            Cable(1.7, 0.01, 0.8, 50.0, 9.81, 0.6 * 9.81),
-            Water(3.0, 0.4, 0.2, 0.3) if parts.water else None,
-            Body(1.3, 0.4, 0.2, 9.0, 2.0, 0.1) if parts.body else None,
+            Cable(1.7, 0.4 if thick else 0.01, 0.8, 50.0, 9.81, 0.6 * 9.81),
+            Water(3.0, 0.4, *((20.0, 30.0) if thick else (0.2, 0.3))) if parts.water else None,
+            Body(1.3, *((20.0, 30.0) if thick else (0.4, 0.2)), 9.0, 2.0, 0.3 if thick else 0.1) if parts.body else None,
             Numeric(0.0, 0.0, 0.0, 0.0, 0.3 if parts.voigt else 0.0, 0.02 if parts.bending else 0.0, pull, 1e-9, 0.0),
             None,
             None,
@@ -69,7 +71,7 @@ class Step:
         self.yd0 = rng.normal(size=(self.n, size))
         self.y1 = self.y0 + 0.1 * rng.normal(size=(self.n, size))
         self.s = box_step.cut_scratch(np.zeros(box_step.scratch_size(self.n, size)), self.n, self.like)
-        box_step._place(parts.water, parts.inextensible, self.mesh, self.y0, (0.1, -0.2), self.gains.reach, self.s.base)
+        box_step._place(parts.water, parts.inextensible, self.mesh, self.y0, (0.1, height), self.gains.reach, self.s.base)
 
     def rows(self, y1):
         s = self.s
@@ -93,17 +95,30 @@ def jacobian_misfits():
             inextensible=True if kind == "inextensible" else None, body=True if end == "body" else None,
             anchor=True if end == "anchor" else None, water=water, current=current, waves=waves,
         )  # fmt: skip
-        step = Step(parts, pull)
-        exact, _ = step.rows(step.y1)
-        found = np.zeros_like(exact)
-        for k in range(step.y1.size):
-            shift = np.zeros(step.y1.size)
-            shift[k] = 1e-6
-            shift = shift.reshape(step.y1.shape)
-            found[:, k] = (step.rows(step.y1 - shift)[1] - step.rows(step.y1 + shift)[1]) / 2e-6
+        misfit = misfit_of(Step(parts, pull))
         flow = "waves" if waves is not None else "current" if current is not None else "water" if water else "air"
         name = f"{'bending' if bending else 'flexible'} {kind} {end} {flow}{' pulled' if pull else ''}"
-        misfits[name] = float(np.abs(exact - found).max() / np.abs(exact).max())
+        misfits[name] = misfit
+    return misfits
+
+
+def misfit_of(step):
+    exact, _ = step.rows(step.y1)
+    found = np.zeros_like(exact)
+    for k in range(step.y1.size):
+        shift = np.zeros(step.y1.size)
+        shift[k] = 1e-6
+        shift = shift.reshape(step.y1.shape)
+        found[:, k] = (step.rows(step.y1 - shift)[1] - step.rows(step.y1 + shift)[1]) / 2e-6
+    return float(np.abs(exact - found).max() / np.abs(exact).max())
+
+
+def surface_misfits():
+    """As jacobian_misfits, of cables that cross the water's surface, their ends in it."""
+    misfits = {}
+    for bending, stiff, body, height in itertools.product((None, True), (None, True), (None, True), (0.1, 0.5, 0.9, 1.3, 1.7)):
+        parts = Parts(box=True, bending=bending, inextensible=stiff, body=body, water=True, surface=True)
+        misfits[f"{bending} {stiff} {body} {height}"] = misfit_of(Step(parts, height=height, thick=True))
     return misfits
 
 
@@ -266,9 +281,50 @@ def starting_turns():
     return view(model).yd[:, 4].tolist()
 
 
+THICK = {"length": 8.0, "mass_per_length": 4.0, "axial_stiffness": 1e5, "axial_damping": 3e4, "diameter": 0.05}
+HEAVED = {
+    "cable": THICK | {"normal_drag_coefficient": 1.2, "tangential_drag_coefficient": 0.1, "added_mass_coefficient": 1.0},
+    "body": {"mass": 300.0, "volume": 0.15, "drag_area": 0.3, "added_mass": 75.0},
+    "water": {"density": 1025.0},
+    "top": {"position": [0.0, 0.0, 7.0]},
+}
+
+
+def surface_gaps():
+    """Largest distance of the body's ways on the two grids, as shares of its heave, while it is heaved through the surface."""
+    gaps = []
+    for nodes, step in ((6, 0.08), (11, 0.04)):
+        runs = []
+        for grid in ("box", "staggered"):
+            model = make(HEAVED, solver__grid=grid, solver__nodes=nodes, solver__time_step=step)
+            motion = swing((0.8, 0.0, 1.5), 1.3, ramp_time=2.0)
+            series = drive(model, every(0.08, 5.6), lambda t, motion=motion: motion(t) + still((0.0, 0.0, 7.0))(t))
+            runs.append(np.array([series["body.x"], series["body.z"]]))
+        gaps.append(float(np.abs(runs[0] - runs[1]).max() / np.ptp(runs[1][1])))
+    return gaps
+
+
+def afloat():
+    """Height of a float that a soft line holds down, the top's vertical force of the thick cable half in air, and what is refused."""
+    line = {"length": 30.0, "mass_per_length": 0.9, "axial_stiffness": 4e3, "diameter": 0.02}
+    scene = {"cable": line, "body": {"mass": 300.0, "volume": 0.5}, "water": {"density": 1025.0}, "solver": {"grid": "box", "nodes": 9}}
+    model = make(scene)
+    model.initialize(still((0.0, 0.0, -30.2))(0.0))
+    hung = make(
+        {"cable": THICK, "water": {"density": 1025.0}, "solver": {"grid": "box", "nodes": 12}, "top": {"position": [0.0, 0.0, 4.0]}}
+    )
+    hung.initialize(still((0.0, 0.0, 4.0))(0.0))
+    try:
+        make(scene).initialize(still((0.0, 0.0, -20.0))(0.0))
+        refused = ""
+    except SolverError as error:
+        refused = str(error)
+    return [float(model.outputs[OUTPUTS.index("body.z")]), float(hung.outputs[OUTPUTS.index("top.force_z")]), refused]
+
+
 CHECKS = (
-    jacobian_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies,
-    power_misfit, frame_misfit, rest, pulled_end, starting_turns,
+    jacobian_misfits, surface_misfits, solver_misfits, newton_changes, frequencies, wet_frequencies,
+    power_misfit, frame_misfit, rest, pulled_end, starting_turns, surface_gaps, afloat,
 )  # fmt: skip
 
 if __name__ == "__main__":

@@ -45,6 +45,27 @@ def test_jacobian_under_waves_lacks_only_the_small_gradient_of_the_waters_accele
     assert max(misfits.values()) < 2e-6
 
 
+def test_jacobian_is_exact_through_the_waters_surface(plain):
+    assert len(plain["surface_misfits"]) == 40
+    assert max(plain["surface_misfits"].values()) < 1e-9
+
+
+def test_cables_and_floats_at_the_surface_rest_by_archimedes(plain):
+    height, force, refused = plain["afloat"]
+    big = (0.75 / np.pi * 0.5) ** (1.0 / 3.0)
+    weight = (300.0 + 0.5 * 0.9 * 30.0 - 0.5 * 1025.0 * np.pi / 4.0 * 0.02**2 * 30.0) * 9.80665
+    lift = 1025.0 * 0.5 * 9.80665 * (0.5 - 0.75 * height / big + 0.25 * (height / big) ** 3)
+    assert lift - weight == pytest.approx(4e3 / 30.0 * (height + 0.2), rel=1e-6)  # the tension of a line from z = -30.2 m
+    assert force == pytest.approx(-(4.0 * 8.0 - 1025.0 * np.pi / 4.0 * 0.05**2 * 4.0) * 9.80665, rel=1e-3)  # and a stretch of 1e-3
+    assert refused.startswith("CableChain at t = 0 s: no static equilibrium was found for a cable that does not go slack ")
+
+
+def test_both_grids_heave_a_body_through_the_surface_alike(plain):
+    coarse, fine = plain["surface_gaps"]
+    assert fine < 1e-3
+    assert coarse / fine > 3.0
+
+
 @pytest.mark.parametrize("unknowns", ["4", "6"])
 def test_elimination_solves_matrices_without_a_favoured_pivot(plain, unknowns):
     assert plain["solver_misfits"][unknowns] < 1e-12

@@ -8,7 +8,6 @@ from chain_support import kinetic_matrix, make, still, view
 from test_chain_newton import WET, Step
 
 from cable_model.cable_chain import CableChain
-from cable_model.errors import ParameterError
 from cable_model.hard.record import record
 from cable_model.kernels import surface
 from cable_model.kernels.staggered_surface import _added_energy
@@ -255,14 +254,9 @@ def test_the_ledger_of_a_body_and_cable_that_go_in_and_out_closes_as_steps_get_s
     assert gaps[0] / gaps[1] > 8.0  # order 1.5 at least: the power is sampled at steps, and it jumps where water is met
 
 
-def test_what_has_water_everywhere_refuses_a_top_above_the_sea_unless_that_is_meant():
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+def test_both_models_and_grids_take_a_top_above_the_sea_with_the_surface_and_without(grid):
     high = with_values(load("dale_sphere"), {"top.position": (0.0, 0.0, 5.0)})
-    with pytest.raises(ParameterError) as error:
-        with_values(high, {"solver.grid": "box"})
-    assert str(error.value) == (
-        "top.position[2] = 5 m: must be <= 0 on the box grid, which has water above z = 0 too. "
-        'Set solver.grid = "staggered", or water.surface = false if that is meant.'
-    )
-    for model in (TowCable, CableChain):
-        assert model(with_values(high, {"water.surface": False})).parts.surface is None
-        assert model(high).parts.surface is True
+    for model, scene in ((TowCable, high), (CableChain, with_values(high, {"solver.grid": grid}))):
+        assert model(with_values(scene, {"water.surface": False})).parts.surface is None
+        assert model(scene).parts.surface is True

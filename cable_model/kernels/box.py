@@ -16,7 +16,7 @@ import math
 
 from cable_model.kernels.box_ends import lower_end, upper_end
 from cable_model.kernels.box_law import strain, tension, tension_gain
-from cable_model.kernels.box_water import added_mass, cable_water
+from cable_model.kernels.box_surface import cell_water
 from cable_model.kernels.jit import kernel
 
 
@@ -79,9 +79,11 @@ def _cell(parts, problem, gains, h, a, d, y1, base, time, i, block, like):
     s = math.sin(phi)
     c = math.cos(phi)
     turn = _turn(parts.bending, a, i, h, cf)
-    ft, fn = cable_water(parts.water, parts, medium, stretch, s, c, u, v, base[i, 0], base[i, 1], gains.reach, time)
     mass = cable.mass
-    heavy = mass + added_mass(parts.water, medium)
+    turning_by = _mean(d, i, cv) + u * spin
+    ft, fn, heavy = cell_water(
+        parts.surface, parts, cable, medium, h, stretch, s, c, u, v, turning_by, base[i, 0], base[i, 1], gains.reach, time
+    )
     w = cable.weight
     f = gains.scale
     fh = f * half
@@ -91,7 +93,7 @@ def _cell(parts, problem, gains, h, a, d, y1, base, time, i, block, like):
     _put(along, cu, size, fh * (k * ft[2] - m * mass), 0.0)
     _put(along, cv, size, fh * k * (ft[3] + mass * spin), 0.0)
     _put_turn(parts.bending, along, size, fh * (k * (w * s + ft[4]) + m * mass * v), 0.0, h)
-    across[2 * size] = -f * (pull * turn - h * (heavy * (_mean(d, i, cv) + u * spin) - w * s - fn[0]))
+    across[2 * size] = -f * (pull * turn - h * (heavy * turning_by - w * s - fn[0]))
     _put(across, cu, size, fh * k * (fn[2] - heavy * spin), 0.0)
     _put(across, cv, size, fh * (k * fn[3] - m * heavy), 0.0)
     _put_turn(parts.bending, across, size, fh * (k * (w * c + fn[4]) - m * heavy * u), f * k * pull, h)

@@ -3,7 +3,7 @@
 import math
 
 from cable_model.kernels.box_law import strain, tension, tension_gain
-from cable_model.kernels.box_water import added_mass, body_water, cable_water
+from cable_model.kernels.box_surface import body_at_surface, cell_water
 from cable_model.kernels.jit import kernel
 
 
@@ -94,11 +94,13 @@ def _free_normal(parts, problem, gains, a, d, base, time, lower, like):
     u = a[0, cu]
     v = a[0, cu + 1]
     spin = d[0, cu + 2]
-    _, fn = cable_water(parts.water, parts, medium, stretch, s, c, u, v, base[n - 1, 0], base[n - 1, 1], gains.reach, time)
-    heavy = cable.mass + added_mass(parts.water, medium)
+    across = d[0, cu + 1] + u * spin
+    _, fn, heavy = cell_water(
+        parts.surface, parts, cable, medium, 0.0, stretch, s, c, u, v, across, base[n - 1, 0], base[n - 1, 1], gains.reach, time
+    )
     f = gains.scale * cable.length
     k = gains.k
-    lower[1, size] = -f * (cable.weight * s + fn[0] - heavy * (d[0, cu + 1] + u * spin))
+    lower[1, size] = -f * (cable.weight * s + fn[0] - heavy * across)
     lower[1, cu] = f * k * (fn[2] - heavy * spin)
     lower[1, cu + 1] = f * (k * fn[3] - heavy * gains.m)
     lower[1, cu + 2] = f * (k * (cable.weight * c + fn[4]) - heavy * u * gains.m)
@@ -119,20 +121,23 @@ def _body(parts, problem, gains, a, d, base, time, lower, like):
     u = a[0, cu]
     v = a[0, cu + 1]
     spin = d[0, cu + 2]
-    ft, fn = body_water(parts.water, parts, body, s, c, u, v, base[n - 1, 0], base[n - 1, 1], gains.reach, time)
-    mass = body.mass + body.added_mass
+    along = d[0, cu] - v * spin
+    across = d[0, cu + 1] + u * spin
+    ft, fn, mass = body_at_surface(
+        parts.surface, parts, body, cable, s, c, u, v, along, across, base[n - 1, 0], base[n - 1, 1], gains.reach, time
+    )
     weight = body.weight
     pull = numeric.pull
     f = gains.scale
     k = gains.k
     m = gains.m
     force = tension(parts.inextensible, cable, numeric, a[0, 0], d[0, 0])
-    lower[0, size] = -f * (force - weight * c + pull * s + ft[0] - mass * (d[0, cu] - v * spin))
+    lower[0, size] = -f * (force - weight * c + pull * s + ft[0] - mass * along)
     lower[0, 0] = f * tension_gain(parts.inextensible, cable, numeric, gains)
     lower[0, cu] = f * (k * ft[1] - m * mass)
     lower[0, cu + 1] = f * k * (ft[2] + mass * spin)
     lower[0, cu + 2] = f * (k * (weight * s + pull * c + ft[3]) + m * mass * v)
-    lower[1, size] = -f * (weight * s + pull * c + fn[0] - mass * (d[0, cu + 1] + u * spin))
+    lower[1, size] = -f * (weight * s + pull * c + fn[0] - mass * across)
     lower[1, cu] = f * k * (fn[1] - mass * spin)
     lower[1, cu + 1] = f * (k * fn[2] - m * mass)
     lower[1, cu + 2] = f * (k * (weight * c - pull * s + fn[3]) - m * mass * u)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box import assemble
 from cable_model.kernels.box_law import Gains, strain, unknowns
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.convergence import has_converged
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_weight
@@ -75,6 +76,21 @@ def speed_scale(problem):
 
 
 @kernel
+def _half(surface, c):
+    return 0.5
+
+
+@kernel
+def _whole_if_backward(surface, c):
+    return 1.0 if c.gamma == 1.0 and c.alpha_m == 0.0 else 0.5
+
+
+# share of the new velocities in the way to the averaged time: in the long steps of the statics a float must meet the surface where it
+# gets to, not half-way
+_share_of_new = by_presence(_half, _whole_if_backward)
+
+
+@kernel
 def newton_step(parts, problem, mesh, y0, yd0, y_old, reach, c, time, h, start, top_velocity, contraction, y1, yd1, s):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
@@ -86,11 +102,12 @@ def newton_step(parts, problem, mesh, y0, yd0, y_old, reach, c, time, h, start, 
     like = unknowns(parts.bending)
     to_rate = 1.0 / (c.gamma * h)
     back = (1.0 - c.gamma) / c.gamma
-    gains = Gains(1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, 0.5 * (1.0 - c.alpha_k) * h, 1.0 / force_scale(problem))
+    share = _share_of_new(parts.surface, c)
+    gains = Gains(1.0 - c.alpha_k, (1.0 - c.alpha_m) * to_rate, share * (1.0 - c.alpha_k) * h, 1.0 / force_scale(problem))
     for i in range(n):
         for j in range(size):
             y1[i, j] = y0[i, j] + reach * (y0[i, j] - y_old[i, j])
-    _place(parts.water, parts.inextensible, mesh, y0, start, gains.reach, s.base)
+    _place(parts.water, parts.inextensible, mesh, y0, start, (1.0 - share) * (1.0 - c.alpha_k) * h, s.base)
     previous = 1e300
     for iteration in range(1, MAX_ITERATIONS + 1):
         _average(c, gains, back, y0, yd0, y1, s.a, s.d)

@@ -8,7 +8,7 @@ from cable_model.kernels.vector import apply, dot
 
 
 @kernel
-def _flow(parts, s, c, u, v, x, z, reach, time):
+def relative_flow(parts, s, c, u, v, x, z, reach, time):
     """Velocity relative to the water and its derivatives by u, v, phi, along t and n; and the water's acceleration there."""
     t = (s, c)
     n = (c, -s)
@@ -40,7 +40,7 @@ def cable_water(water, parts, medium, stretch, s, c, u, v, x, z, reach, time):
     """
     if water is None:
         return (0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0)
-    along, across, flow_rate = _flow(parts, s, c, u, v, x, z, reach, time)
+    along, across, flow_rate = relative_flow(parts, s, c, u, v, x, z, reach, time)
     root = math.sqrt(stretch)
     kt = medium.tangential_drag * root
     kn = medium.normal_drag * root
@@ -80,7 +80,7 @@ def body_water(water, parts, body, s, c, u, v, x, z, reach, time):
     """Drag and Froude-Krylov force on the body, as cable_water but without the derivative by eps."""
     if water is None:
         return (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0)
-    along, across, flow_rate = _flow(parts, s, c, u, v, x, z, reach, time)
+    along, across, flow_rate = relative_flow(parts, s, c, u, v, x, z, reach, time)
     drag, g = body_drag(body.drag, (along[0], across[0]))
     pressed = body.displaced_mass + body.added_mass
     return (

@@ -3,6 +3,7 @@
 import math
 
 from cable_model.kernels import header
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.easing import BLUNT, LEAST_BLUNT, eased
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
@@ -25,6 +26,7 @@ LOOSE = 1e-4  # of the length: to which a stage is solved that is not the last
 SETTLED = 10.0  # sqrt(L/g): a pseudo-step that long, with few iterations, is an equilibrium near enough to go on from
 FEW_ITERATIONS = 5
 LEFT = 1e-9  # of the weight over the mass: the acceleration that is left to a node where the laws had to be eased
+UPRIGHT = 0.01  # of the weight: mean pressure of a cable that stands on its top
 SLACK = 1e-6  # of the weight: less tension is none, and as much of an acceleration is left to a cable that may lie in many ways
 
 
@@ -92,7 +94,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
         found = balanced or (step >= 1e5 * period and status <= 4)
         if ease == 0.0 and stiff >= goal and (found or (nodes < n and settled)):
             if nodes == n:
-                if not _buckled(parts.slack, parts, force, weight):
+                if not (_buckled(parts.slack, parts, force, weight) or _upside_down(parts.surface, parts, mesh, force, weight)):
                     return header.OK
                 if easing:
                     return header.NO_EQUILIBRIUM
@@ -117,6 +119,29 @@ def _buckled(slack, parts, force, weight):
     for i in range(force.shape[0]):
         least = min(least, force[i])
     return least < -weight
+
+
+@kernel
+def _never(surface, parts, mesh, force, weight):
+    return False
+
+
+@kernel
+def _stands(surface, parts, mesh, force, weight):
+    if parts.slack is not None or parts.anchor is not None:
+        return False
+    pull = 0.0
+    for i in range(mesh.shape[0]):
+        pull += mesh[i, 0] * force[i]
+    total = 0.0
+    for i in range(mesh.shape[0]):
+        total += mesh[i, 0]
+    return pull < -UPRIGHT * weight * total
+
+
+# whether a cable with a free end stands on its top, a float in the air: turned as a whole it falls where the integral of the tension is
+# negative, which is the moment of all loads per radian
+_upside_down = by_presence(_never, _stands)
 
 
 @kernel
