@@ -86,8 +86,7 @@ SEEN = (
     "Give top.vx, top.vy and top.vz of the same motion, or set top.motion_order = 0.",
     "velocity of the top changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
     "Give top.ax, top.ay and top.az of the same motion, or set top.motion_order = 1.",
-    "an end of the cable at z = %.3g m, above %.3g m: what is in air is simulated as if under water. "
-    "Set water.surface = true.",
+    "an end of the cable at z = %.3g m, above %.3g m: what is in air is simulated as if under water. Set water.surface = true.",
     "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
     "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. "
     "Check cable.length against the distance of its ends, and the unit of cable.axial_stiffness (N).",

@@ -5,6 +5,7 @@ import math
 from cable_model.kernels import header, staggered_statics, staggered_step
 from cable_model.kernels.box_law import strain, tension
 from cable_model.kernels.box_step import force_scale, newton_step, speed_scale
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
@@ -100,6 +101,19 @@ def cell_vector(inextensible, y, i):
 
 
 @kernel
+def _long(surface):
+    return 1e5
+
+
+@kernel
+def _longer(surface):
+    return 4e5
+
+
+_last_step = by_presence(_long, _longer)  # in sqrt(L/g); heights above the surface follow a top that is still being closed on a step late
+
+
+@kernel
 def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, anchor, time, s):
     """Static equilibrium: the staggered grid's, then backward differences on the box equations with ever longer steps.
 
@@ -125,7 +139,7 @@ def equilibrium(parts, problem, p, mesh, y, yd, contraction, y1, yd1, top, ancho
             continue
         copy_to(y, y1)
         y[:, cu : cu + 2] = 0.0
-        if step >= 1e5 * period and status <= 2:
+        if step >= _last_step(parts.surface) * period and status <= 2:
             return header.OK
         step = min(step * (4.0 if status <= 6 else 1.5), 1e6 * period)
     return header.NO_EQUILIBRIUM
