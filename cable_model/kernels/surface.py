@@ -138,6 +138,24 @@ def cell_share(z1, z2, r, split):
 
 
 @kernel
+def _reach(waves):
+    if waves is None:
+        return 0.0
+    reach = 0.0
+    for j in range(waves.shape[0]):
+        reach += waves[j, AMPLITUDE]
+    return reach
+
+
+@kernel
+def crest(parts):
+    """Height that the surface never rises above."""
+    if parts.stretched is None and parts.cut is None:
+        return 0.0
+    return _reach(parts.waves)
+
+
+@kernel
 def level_over(parts, position, time, below):
     """Height of the surface over a place, and its rate, m/s; `below` the height 0 by more than waves reach, it may be taken as 0."""
     if parts.waves is None:
@@ -151,10 +169,7 @@ def level_over(parts, position, time, below):
 def _wavy_level(waves, position, time, below):
     if waves is None:
         return 0.0, 0.0
-    reach = 0.0
-    for j in range(waves.shape[0]):
-        reach += waves[j, AMPLITUDE]
-    if below > reach:
+    if below > _reach(waves):
         return 0.0, 0.0
     height, rate, _ = elevation(waves, position, time)
     return height, rate

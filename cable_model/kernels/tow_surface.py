@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.surface import GAUSS, WEIGHT, centre, level_over, share
+from cable_model.kernels.surface import GAUSS, WEIGHT, centre, crest, level_over, share
 from cable_model.kernels.vector import add, axpy, dot, mix, scale, sub, upward, zero
 
 
@@ -74,13 +74,27 @@ def _clamped(x):
 
 
 @kernel
-def _wet_segment(c, i):
+def _always(surface, parts, c, top, reach):
+    return True
+
+
+@kernel
+def _below_troughs(surface, parts, c, top, reach):
+    last = len(top) - 1
+    return max(top[last], top[last] + reach[last]) + c.radius <= -crest(parts)
+
+
+is_deep = by_presence(_always, _below_troughs)  # whether the whole cable is, as far as is known without a look at each segment
+
+
+@kernel
+def wet_segment(c, i):
     return Segment(1.0, (i + 0.5) / c.segments, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
 def _deep_segment(surface, parts, c, i, top, reach, time):
-    return _wet_segment(c, i)
+    return wet_segment(c, i)
 
 
 @kernel
@@ -92,7 +106,7 @@ def _crossing_segment(surface, parts, c, i, top, reach, time):
     highest = z + max(f0 * rise, f1 * rise)
     level, level_rate = level_over(parts, axpy(0.5 * (f0 + f1), reach, top), time, -highest - r)
     if highest <= level - r:
-        return _wet_segment(c, i)
+        return wet_segment(c, i)
     z0 = z + f0 * rise - level
     span = (f1 - f0) * rise
     # where along the segment, from 0 to 1, it is wet all through (from p to q) and where the surface cuts it (from a to b)
@@ -141,6 +155,8 @@ def _unchanged(surface, loads, seg, velocity, flow, motion, e):
 @kernel
 def _with_segment(surface, loads, seg, velocity, flow, motion, e):
     """`velocity` of the top, `motion` R' = the lower end's beside the top's, `flow` of the water at the segment; e along the cable."""
+    if seg.wet == 1.0:
+        return loads
     loads = Loads(loads.dry0 + seg.dry0, loads.dry1 + seg.dry1, loads.dry2 + seg.dry2, loads.arm, loads.total)
     if seg.t0 == 0.0:
         return loads
@@ -237,6 +253,8 @@ def _no_body_change(surface, c, ball, velocity, flow):
 
 @kernel
 def _body_change(surface, c, ball, velocity, flow):
+    if ball.wet == 1.0:
+        return zero(velocity)
     last = len(velocity) - 1
     w = sub(velocity, flow)
     carried = sub(scale(c.added_x, w), upward((c.added_x - c.added_y) * w[last], w))

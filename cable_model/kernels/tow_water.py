@@ -12,11 +12,13 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.tow_surface import (
     Wet,
     body_forces,
+    is_deep,
     no_loads,
     segment,
     sphere,
     surface_forces,
     virtual_masses,
+    wet_segment,
     wetness,
     with_segment,
 )
@@ -111,12 +113,15 @@ def cable_water(water, parts, c, top, time, motion):
     velocity = (top[1], -top[4])
     turning = (-u_rate * sin - length * cos * phi_rate, -u_rate * cos + length * sin * phi_rate)
     loads = no_loads(e)
+    start, reach = (top[0], -top[3]), (length * e[0], length * e[1])
+    deep = is_deep(parts.surface, parts, c, start, reach)
     for i in range(c.segments):
-        seg = segment(parts.surface, parts, c, i, (top[0], -top[3]), (length * e[0], length * e[1]), time)
+        seg = wet_segment(c, i) if deep else segment(parts.surface, parts, c, i, start, reach, time)
         middle = seg.middle
         s = middle * length
         vx, vy, ax, ay = water_flow(parts, top[0] - s * sin, top[3] + s * cos, time)
-        loads = with_segment(parts.surface, loads, seg, velocity, (vx, -vy), turning, e)
+        if not deep:
+            loads = with_segment(parts.surface, loads, seg, velocity, (vx, -vy), turning, e)
         across, along = turned(vx, vy, sin, cos)
         across -= across_top + s * phi_rate
         along -= along_top + middle * u_rate

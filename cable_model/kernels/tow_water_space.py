@@ -6,11 +6,13 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.tow_surface import (
     Wet,
     body_forces,
+    is_deep,
     no_loads,
     segment,
     sphere,
     surface_forces,
     virtual_masses,
+    wet_segment,
     wetness,
     with_segment,
 )
@@ -45,11 +47,14 @@ def cable_water_in_space(water, parts, c, top, time, swing, u, ud):
     total = zero(swing.e)
     motion = mix(ud, swing.e, length, swing.rate)
     loads = no_loads(swing.e)
+    reach = scale(length, swing.e)
+    deep = is_deep(parts.surface, parts, c, x, reach)
     for i in range(c.segments):
-        seg = segment(parts.surface, parts, c, i, x, scale(length, swing.e), time)
+        seg = wet_segment(c, i) if deep else segment(parts.surface, parts, c, i, x, reach, time)
         middle = seg.middle
         flow, rate, _ = water_motion(parts, axpy(middle * length, swing.e, x), time)
-        loads = with_segment(parts.surface, loads, seg, v, flow, motion, swing.e)
+        if not deep:
+            loads = with_segment(parts.surface, loads, seg, v, flow, motion, swing.e)
         flow = sub(flow, axpy(middle, motion, v))
         along = dot(flow, swing.e)
         across = axpy(-along, swing.e, flow)
