@@ -13,9 +13,11 @@ from cable_model.cable_chain import CableChain
 from cable_model.effects import PARAMETERS, record
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
-from cable_model.scene import load, with_values
+from cable_model.scene import from_dict, load, with_values
 from cable_model.simulated import numbers_of
 from cable_model.tow_cable import TowCable
+
+pytestmark = pytest.mark.shipped  # but for what asks kernels of many sets of parts for a few numbers
 
 DATA = Path(__file__).parent / "data"
 G, RHO = NUMBERS["environment.gravity"], NUMBERS["water.density"]
@@ -125,7 +127,8 @@ def crossings(count, seed, sizes=(1.0, 0.3, 0.5)):
         yield tuple(map(tuple, top)), tow_space.Swing(tuple(e), tuple(rate), tuple(e), tuple(e)), u, random.normal() * sizes[2]
 
 
-@pytest.mark.parametrize("cable_mass", [True, pytest.param(None, marks=pytest.mark.long)])
+@pytest.mark.plain
+@pytest.mark.parametrize("cable_mass", [True, None])
 def test_motion_and_force_are_those_of_the_wet_parts_lagrangian(cable_mass):
     parts = SPACE._replace(cable_mass=cable_mass, current=CALM)
     c, values = constants(parts, **NO_DRAG, **THICK)
@@ -154,7 +157,8 @@ def test_motion_and_force_are_those_of_the_wet_parts_lagrangian(cable_mass):
     assert seen > 8
 
 
-@pytest.mark.parametrize("waves", ["stretched", pytest.param("cut", marks=pytest.mark.long)])
+@pytest.mark.plain
+@pytest.mark.parametrize("waves", ["stretched", "cut"])
 def test_a_motion_in_the_plane_is_that_in_space_and_its_mirror_image_too(waves):
     parts = FLAT._replace(waves=WAVES, **{waves: True})
     c, _ = constants(parts, **THICK)
@@ -180,6 +184,7 @@ def test_a_motion_in_the_plane_is_that_in_space_and_its_mirror_image_too(waves):
         assert image == pytest.approx((-found[0], found[1]), rel=1e-9, abs=1e-11)
 
 
+@pytest.mark.plain
 def test_above_the_surface_there_is_no_water_and_below_it_no_surface():
     seas = {"waves": WAVES, "stretched": True}
     c, _ = constants(FLAT)
@@ -193,6 +198,7 @@ def test_above_the_surface_there_is_no_water_and_below_it_no_surface():
         assert plane.accelerations(FLAT._replace(**seas), c, sunk, 1.0, motion, 0.0) == in_water
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("segments", [1.0, 4.0])
 def test_drag_and_buoyancy_are_those_of_the_wet_length_however_few_the_segments(segments):
     """A cable at rest at an angle, its lower 23 m in a uniform current: by hand, moment about the top and pull along it included."""
@@ -213,6 +219,7 @@ def test_drag_and_buoyancy_are_those_of_the_wet_length_however_few_the_segments(
 FLOAT = {"body__mass": 300.0, "body__volume": 0.5, "cable__length": 30.0, "tow__reference_tension": 0.0, "tow__poisson_ratio": 0.0}
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("parts", [FLAT, SPACE])
 @pytest.mark.parametrize("stiffness", [2e5, 2e4])
 def test_a_taut_float_rests_by_archimedes(parts, stiffness):
@@ -227,6 +234,7 @@ def test_a_taut_float_rests_by_archimedes(parts, stiffness):
     assert model["cable.tension_max"] > 100.0
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("parts", [FLAT, SPACE])
 @pytest.mark.parametrize("top", [-10.0, 2.0])
 def test_a_float_on_a_longer_line_rests_at_the_surface_aside(parts, top):
@@ -245,6 +253,7 @@ def test_a_float_on_a_longer_line_rests_at_the_surface_aside(parts, top):
     assert abs(model.state[plane.STRETCH]) < 1e-9
 
 
+@pytest.mark.plain
 def test_a_float_is_carried_to_where_the_current_goes():
     for speed in (-0.3, 0.3):
         for parts in (FLAT, SPACE):
@@ -260,6 +269,7 @@ def of_scene(scene, parts):
     return TowCable.from_numbers({name: float(numbers[name.partition(".")[0]][name.partition(".")[2]]) for name in PARAMETERS}, parts)
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("parts", [FLAT, SPACE])
 @pytest.mark.parametrize(
     ("name", "weight", "top"),
@@ -280,10 +290,10 @@ def test_reported_scenes_at_their_right_values(name, weight, top, parts):
 def apart(height, mass, diameter):
     """Ways of a circled body on the chain, and how far the straight cable is from them: x, z, the tension at the top, over their ranges."""
     changes = {"cable.mass_per_length": mass, "cable.diameter": diameter, "top.position": (0.0, 0.0, height), "top.motion": ()}
-    stiff = {"cable.axial_stiffness": 1e6, "solver.time_step": 0.01}
+    stiff = {"cable.axial_stiffness": 1e6, "solver.time_step": 0.01, "solver.slack_damping": 0.1}
     scene = with_values(CROSSED, {**changes, **stiff})
     circle, runs = circling(1.6, 0.9, 6.0), []
-    for model in (CableChain(scene), of_scene(scene, FLAT._replace(current=np.array([[0.0, 0.5, 0.0]])))):
+    for model in (CableChain(scene), TowCable(scene)):
         rows = []
 
         def see(_, model=model, rows=rows):
@@ -308,17 +318,19 @@ def test_a_heavy_cable_through_the_surface_differs_from_the_chain_as_much_as_a_d
     assert np.all(apart(3.0, 20.0, 0.07)[1] < 1.2 * apart(-12.0, 20.0, 0.07)[1])
 
 
+CABLE = {"length": 5.0, "mass_per_length": 0.5, "axial_stiffness": 1e4}
+NO_REFERENCE = {"tow.reference_tension": 0.0, "tow.poisson_ratio": 0.0}
 BOB = NO_DRAG | {
     "cable.length": 5.0, "cable.mass_per_length": 0.5, "cable.axial_stiffness": 1e4, "cable.diameter": 0.02, "body.mass": 600.0,
-    "body.volume": 0.3, "body.added_mass": 150.0, "tow.added_mass_vertical": 250.0, "tow.reference_tension": 0.0, "tow.poisson_ratio": 0.0,
-    "solver.tolerance": 0.0, "cable.axial_damping": 0.0,
+    "cable.added_mass_coefficient": 1.0, "body.volume": 0.3, "body.added_mass": 150.0, "tow.added_mass_vertical": 250.0,
+    "water.density": RHO, "environment.gravity": G,
 }  # fmt: skip
 
 
-def bobbing(step, duration, kick=1.5):
+def bobbing(step, duration, kick):
     """Energies and heights of a body that is hung from a spring above the water, kicked aside and down."""
-    model = TowCable.from_numbers(NUMBERS | BOB | {"solver.time_step": step}, FLAT._replace(current=CALM))
-    reference = Surfaced(NUMBERS | BOB)
+    model = TowCable(with_values(from_dict({"cable": CABLE, "water": {}}), BOB | {"solver.time_step": step}))
+    reference = Surfaced(NO_REFERENCE | BOB)
     model.initialize(still(z=7.19))
     phi, _, u, _ = model.motion
     model.set_state(phi, kick / (5.0 + u), u, kick)
