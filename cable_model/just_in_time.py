@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import header, top, watch
+from cable_model.kernels import exchange, header, top, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.signals import OUTPUTS
 
@@ -32,6 +32,7 @@ class JustInTime:
         if status == header.OK:
             watch.watch_start(self.state, inputs)
             self.read_outputs()
+            exchange.start_exchange(self.state, self.outputs)
         return status
 
     def _equilibrium(self, time: float) -> int:
@@ -62,6 +63,7 @@ class JustInTime:
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:
             self.read_outputs()
+            exchange.end_exchange(self.state, step, self.outputs)
         return status
 
     def positions(self, at: np.ndarray) -> None:

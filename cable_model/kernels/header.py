@@ -34,10 +34,11 @@ INPUT_STEPS = 56  # 56..59: from each of them to the one after it, from the newe
 DRIFT_STEP = 60  # step that sets the time in which the drift of a held cable's top is removed, s
 OFFSET = 61  # by which the time of the rates kept is after the end of the last internal step, (alpha_m - alpha_k) h, s
 LAG_BEFORE = 62  # LAG of the internal step before
-DOUBTS = 63  # how many kinds of doubt watch.py has seen
-DOUBT = 64  # 64..79: a pair of numbers for each kind, 0 until it is seen
-WATCH = 80  # 80..94: what watch.py keeps
-HEADER = 95
+EXCHANGE = 63  # 63..77: what exchange.py keeps
+DOUBTS = 78  # how many kinds of doubt watch.py has seen
+DOUBT = 79  # 79..94: a pair of numbers for each kind, 0 until it is seen
+WATCH = 95  # 95..109: what watch.py keeps
+HEADER = 110
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

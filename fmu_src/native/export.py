@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, STEP, TABLES, Variant
+from fmu_src.entries import ABSENT, EITHER, EXTERNAL, SIZES, START, TABLES, Variant
 
 PATH, END, WORK = 0, 36, 45  # places in an entry's work array: path, end of the path, the kernels' own
 ROOT = Path(__file__).resolve().parents[2]
@@ -107,7 +107,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import header, top, watch
+    from cable_model.kernels import exchange, header, top, watch
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
@@ -142,7 +142,10 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             status = advance(parts, numbers, time, step, path, state, work[WORK:])
         if status == ok:
             write_outputs(parts, numbers, state, work[WORK:], outputs)
-            if what == STEP:
+            if what == START:
+                exchange.start_exchange(state, outputs)
+            else:
+                exchange.end_exchange(state, step, outputs)
                 top.remember(order, numbers, state, inputs, step)
         return status
 
