@@ -81,6 +81,8 @@ SEEN = (
     "Give cable or body some weight, or a current.",
     "weight in water = %.3g N of a mass of %.4g kg between two held ends: the slack cable rests in any shape, and the run starts from one. "
     "Give the cable some weight, or a current.",
+    "ringing of the force = %.2g of its size, fed by the exchange with the host at %.3g 1/s: force and motion are exchanged too seldom for "
+    "the host's mass, and what comes out is wrong. Give shorter communication steps, a heavier host, or one that repeats its steps.",
 )
 
 

@@ -16,4 +16,5 @@ OUTPUTS = (
     "cable.tension_max", "cable.tension_min", "cable.slack_fraction",
     "solver.steps", "solver.newton_iterations", "solver.rejected_steps",
     "top.force_mean_x", "top.force_mean_y", "top.force_mean_z",
+    "coupling.growth",
 )  # fmt: skip

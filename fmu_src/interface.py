@@ -162,6 +162,12 @@ _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "top.force_mean_x": ("N", "force of the cable on its attachment, x: mean over the last communication step", 1e3, INPUTS),
     "top.force_mean_y": ("N", "force of the cable on its attachment, y: mean over the last communication step", 1e3, INPUTS),
     "top.force_mean_z": ("N", "force of the cable on its attachment, z: mean over the last communication step", 1e3, INPUTS),
+    "coupling.growth": (
+        "1/s",
+        "rate at which the exchange of force and motion with the host feeds a ringing of the force (0 = none)",
+        1.0,
+        _NONE,
+    ),
 }
 
 

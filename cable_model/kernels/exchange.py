@@ -6,7 +6,7 @@ the waiting finds to be wrong with it is told afterwards, over no less than an i
 communication steps is then the impulse so far, but for what is still owed.
 """
 
-from cable_model.kernels.header import EXCHANGE, PENDING, STEP, STEPS
+from cable_model.kernels.header import DOUBTS, EXCHANGE, PENDING, STEP, STEPS
 from cable_model.kernels.jit import kernel
 
 IMPULSE = EXCHANGE  # of the force over the communication step, from its own internal steps, N s; three numbers, as all that follow
@@ -14,6 +14,8 @@ OWED = EXCHANGE + 3  # impulse over time that waited, less what was told then
 AHEAD = EXCHANGE + 6  # impulse told over time that still waits
 MEAN = EXCHANGE + 9  # force told for the last communication step, N
 LAST = EXCHANGE + 12  # force at the averaged time of the last internal step, N
+TOLD = EXCHANGE + 15  # force at the end of the last communication step, N
+GROWTH = EXCHANGE + 18  # rate at which the exchange feeds a ringing, 1/s; see ringing.py
 MEANS = 18  # of the outputs, the first of three
 
 
@@ -49,10 +51,11 @@ def add_averaged(state, force, late, gap, h, done, span):
 @kernel
 def start_exchange(state, outputs):
     """Begin with the outputs of the initialization."""
+    for k in range(EXCHANGE, DOUBTS):
+        state[k] = 0.0
     for k in range(3):
-        state[OWED + k] = 0.0
-        state[AHEAD + k] = 0.0
         state[MEAN + k] = outputs[k]
+        state[TOLD + k] = outputs[k]
         outputs[MEANS + k] = outputs[k]
 
 
@@ -71,11 +74,13 @@ def end_exchange(state, span, outputs):
             state[MEAN + k] = (state[IMPULSE + k] + share * owed) / span
             state[OWED + k] = (1.0 - share) * owed
             state[AHEAD + k] = 0.0
-        outputs[MEANS + k] = state[MEAN + k]
+        state[TOLD + k] = outputs[k]
+    tell_exchange(state, outputs)
 
 
 @kernel
 def tell_exchange(state, outputs):
-    """The mean force that the state has."""
+    """The mean force and the growth that the state has."""
     for k in range(3):
         outputs[MEANS + k] = state[MEAN + k]
+    outputs[MEANS + 3] = state[GROWTH]

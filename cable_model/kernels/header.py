@@ -34,11 +34,12 @@ INPUT_STEPS = 56  # 56..59: from each of them to the one after it, from the newe
 DRIFT_STEP = 60  # step that sets the time in which the drift of a held cable's top is removed, s
 OFFSET = 61  # by which the time of the rates kept is after the end of the last internal step, (alpha_m - alpha_k) h, s
 LAG_BEFORE = 62  # LAG of the internal step before
-EXCHANGE = 63  # 63..77: what exchange.py keeps
-DOUBTS = 78  # how many kinds of doubt watch.py has seen
-DOUBT = 79  # 79..94: a pair of numbers for each kind, 0 until it is seen
-WATCH = 95  # 95..109: what watch.py keeps
-HEADER = 110
+EXCHANGE = 63  # 63..81: what exchange.py keeps
+RINGING = 82  # 82..134: what ringing.py keeps
+DOUBTS = 135  # how many kinds of doubt watch.py has seen
+DOUBT = 136  # 136..153: a pair of numbers for each kind, 0 until it is seen
+WATCH = 154  # 154..168: what watch.py keeps
+HEADER = 169
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

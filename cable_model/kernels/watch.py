@@ -11,7 +11,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, is_neutral
 from cable_model.kernels.waves import DEPTH
 
-JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE = range(8)  # kinds of doubt
+JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, RINGS = range(9)  # kinds of doubt
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
@@ -28,7 +28,7 @@ LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it leng
 
 
 @kernel
-def _note(state, kind, seen, other):
+def note(state, kind, seen, other):
     """Keep the first pair of a kind."""
     pair = state[DOUBT + 2 * kind : DOUBT + 2 * kind + 2]
     if pair[0] == 0.0 and pair[1] == 0.0:
@@ -74,7 +74,7 @@ def watch_inputs(order, p, state, inputs, step):
     unknown = SOON if state[FASTEST] == 0.0 else 0.0
     allowed = reach * (3.0 * state[FASTEST] + unknown + 0.5 * GRAVITY * reach) + FEWEST * length
     if gap > allowed:
-        _note(state, JUMP, gap, reach)
+        note(state, JUMP, gap, reach)
     elif h > 0.0:
         state[FASTEST] = max(state[FASTEST], way / h)
         for level in range(order):
@@ -83,7 +83,7 @@ def watch_inputs(order, p, state, inputs, step):
             state[MISSED + level] += missed
             scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
             if state[MISSED + level] > max(UNEXPLAINED * state[GONE + level], scale):
-                _note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
+                note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
     for k in range(9):
         last[k] = inputs[k]
     state[SPAN] = step
@@ -107,9 +107,9 @@ def _watch_rest(parts, p, state, largest):
         return
     if parts.anchor is not None:
         if largest <= 2.0 * NEUTRAL * mass * p[0].environment.gravity:
-            _note(state, ANY_SHAPE, weight, mass)
+            note(state, ANY_SHAPE, weight, mass)
     elif parts.current is None:
-        _note(state, ANY_PLACE, weight, mass)
+        note(state, ANY_PLACE, weight, mass)
 
 
 @kernel
@@ -121,9 +121,9 @@ def watch_outputs(parts, p, state, outputs):
     lower_z = outputs[7]
     highest = max(state[TOP + 2], lower_z)
     if parts.water is not None and parts.surface is None and highest > allowed:
-        _note(state, ABOVE, highest, allowed)
+        note(state, ABOVE, highest, allowed)
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
-        _note(state, BELOW, lower_z, -depth)
+        note(state, BELOW, lower_z, -depth)
     if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * p[0].cable.axial_stiffness:
-        _note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])
+        note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])

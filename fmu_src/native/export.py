@@ -107,7 +107,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import exchange, header, top, watch
+    from cable_model.kernels import exchange, header, ringing, top, watch
     from cable_model.signals import INPUTS, OUTPUTS
 
     parts_now = _parts(variant)
@@ -134,6 +134,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         else:
             path = work[PATH:END].reshape((top.ROWS, 4))
             end = work[END:WORK]
+            ringing.watch_ringing(numbers, state, inputs)
             watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, numbers, state, inputs, step, end, path)
             outputs[0] = top.mean_speed(path, step)
