@@ -3,8 +3,9 @@
 From each communication step three histories are kept: the force that the host was told, its mean as it then was, and the velocities of the
 cable's top and of the host.  Their kinks, what they differ by from the line through the two steps before, leave the smooth motion out.
 The energy that the exchange makes of kinks, in a window, over that of the kinks of the force in the cable (their mean square times
-L/EA/2) is twice a rate of growth.  It is taken as the host moves and as the top does, and the larger one counts: where steps are long, each
-misses what happens within them.  Nothing here changes a number of the model.
+L/EA) is twice a rate of growth.  It is taken as the host moves and as the top does, and the larger one counts: where steps are long, each
+misses what happens within them.  A host whose motion is given feeds a cable too, with what its inputs do not resolve; one that rings
+follows the force: the kinks of its accelerations go with those of the force.  Nothing here changes a number of the model.
 """
 
 import math
@@ -15,17 +16,19 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.watch import LAST, RINGS, SPAN, note
 
 ROW = 13  # of a step: force told, its mean, velocity of the top, that of the host (3 each), and its length
-ROWS = 3  # of steps, the newest first
+ROWS = 4  # of steps, the newest first
 BEGUN = RINGING + ROWS * ROW  # force told and place of the top at the start of the step that is made
-SUMS = BEGUN + 6  # of the window: energy by the host's way and by the top's, squared kinks of the force, force, time, steps
-HITS = SUMS + 6  # windows in a row that ring
-KNOWN = SUMS + 7  # steps in a row whose lengths are alike
+SUMS = BEGUN + 6  # of the window: energy by the host's way and by the top's, squared kinks of the force, force, time, steps,
+FOLLOWED = SUMS + 6  # and products of kinks of the force told and of the host's acceleration: of both, of each with itself
+HITS = SUMS + 9  # windows in a row that ring
+KNOWN = SUMS + 10  # steps in a row whose lengths are alike
 
 WINDOW = 2.0  # s
 FEWEST = 8  # steps in a window
 LOUD = 0.02  # of the force: kinks below it are those of a smooth motion
 FED = 0.05  # 1/s: what a cable damps by itself
-IN_A_ROW = 3  # windows, since a forced motion that is not resolved is fed in some
+COHERENT = 0.4  # of 1, the most, where all of the acceleration is the force's
+IN_A_ROW = 2  # windows
 ALIKE = 2.0  # ratio of steps that follow one another: beyond it, kinks are those of the steps
 
 
@@ -44,10 +47,13 @@ def _close_window(p, state):
     state[GROWTH] = 0.0
     if share > LOUD:
         state[GROWTH] = max(state[SUMS], state[SUMS + 1]) / (2.0 * square * compliance * time)
+    size = math.sqrt(state[FOLLOWED + 1] * state[FOLLOWED + 2])
+    if state[FOLLOWED] <= COHERENT * size:
+        state[GROWTH] = 0.0
     state[HITS] = state[HITS] + 1.0 if state[GROWTH] > FED else 0.0
     if state[HITS] >= IN_A_ROW:
         note(state, RINGS, share, state[GROWTH])
-    for k in range(6):
+    for k in range(HITS - SUMS):
         state[SUMS + k] = 0.0
 
 
@@ -57,6 +63,7 @@ def _add_kinks(p, state):
     new = state[RINGING : RINGING + ROW]
     before = state[RINGING + ROW : RINGING + 2 * ROW]
     older = state[RINGING + 2 * ROW : RINGING + 3 * ROW]
+    oldest = state[RINGING + 3 * ROW : RINGING + 4 * ROW]
     h = new[ROW - 1]
     reach = (h + before[ROW - 1]) / (before[ROW - 1] + older[ROW - 1])
     size = 0.0
@@ -70,6 +77,11 @@ def _add_kinks(p, state):
         state[SUMS + 1] += h * (told - mean) * top
         state[SUMS + 2] += h * force * force
         size += state[TOLD + k] ** 2
+        pulled = _kink(new[k] + before[k], before[k] + older[k], older[k] + oldest[k], reach)
+        hurried = _kink(new[9 + k] - before[9 + k], before[9 + k] - older[9 + k], older[9 + k] - oldest[9 + k], reach)
+        state[FOLLOWED] += pulled * hurried
+        state[FOLLOWED + 1] += pulled * pulled
+        state[FOLLOWED + 2] += hurried * hurried
     state[SUMS + 3] += h * math.sqrt(size)
     state[SUMS + 4] += h
     state[SUMS + 5] += 1.0
@@ -93,7 +105,7 @@ def watch_ringing(p, state, inputs):
         last = state[RINGING + 2 * ROW - 1]
         alike = last < ALIKE * h and h < ALIKE * last
         state[KNOWN] = state[KNOWN] + 1.0 if alike else 0.0
-        if state[KNOWN] >= 2.0:
+        if state[KNOWN] >= ROWS - 1:
             _add_kinks(p, state)
         for k in range(ROWS * ROW - 1, ROW - 1, -1):
             state[RINGING + k] = state[RINGING + k - ROW]
