@@ -35,11 +35,11 @@ DRIFT_STEP = 60  # step that sets the time in which the drift of a held cable's 
 OFFSET = 61  # by which the time of the rates kept is after the end of the last internal step, (alpha_m - alpha_k) h, s
 LAG_BEFORE = 62  # LAG of the internal step before
 EXCHANGE = 63  # 63..81: what exchange.py keeps
-RINGING = 82  # 82..150: what ringing.py keeps
-DOUBTS = 151  # how many kinds of doubt watch.py has seen
-DOUBT = 152  # 152..169: a pair of numbers for each kind, 0 until it is seen
-WATCH = 170  # 170..184: what watch.py keeps
-HEADER = 185
+RINGING = 82  # 82..170: what ringing.py keeps
+DOUBTS = 171  # how many kinds of doubt watch.py has seen
+DOUBT = 172  # 172..189: a pair of numbers for each kind, 0 until it is seen
+WATCH = 190  # 190..204: what watch.py keeps
+HEADER = 205
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step
