@@ -13,7 +13,7 @@ FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
 class Calls(Protocol):
     """The kernels of one model instance, and the arrays that they work on.
 
-    `state` is the complete state, `outputs` (18,) in the order of signals.OUTPUTS, `work` scratch.  Every call returns a status of
+    `state` is the complete state, `outputs` in the order of signals.OUTPUTS, `work` scratch.  Every call returns a status of
     kernels.header or TOO_FAST, after which `top_speed`, m/s, says how fast; `outputs` is filled only where it returns OK.
     """
 

@@ -103,6 +103,8 @@ SEEN = (
     "tension = %.4g N, beside a weight of %.4g N: a straight cable pushes, a real one goes slack. "
     "Set tow.minimum_tension, or use CableChain.",
     "wave = %.3g m high, %.4g m long: beyond 0.142 of its length a wave breaks. Check amplitude and period of the waves.",
+    "ringing of the force = %.2g of its size, fed by the exchange with the host at %.3g 1/s: force and motion are exchanged too seldom for "
+    "the host's mass, and what comes out is wrong. Give shorter communication steps, a heavier host, or one that repeats its steps.",
 )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import header, top, watch
+from cable_model.kernels import exchange, header, ringing, top, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.signals import OUTPUTS
 
@@ -32,6 +32,7 @@ class JustInTime:
         if status == header.OK:
             watch.watch_start(self.state, inputs)
             self.read_outputs()
+            exchange.start_exchange(self.state, self.outputs)
         return status
 
     def _equilibrium(self, time: float) -> int:
@@ -43,6 +44,7 @@ class JustInTime:
         return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
+        ringing.watch_ringing(self._numbers, self.state, inputs)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
         top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step)
@@ -62,6 +64,7 @@ class JustInTime:
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:
             self.read_outputs()
+            exchange.end_exchange(self.state, step, self.outputs)
         return status
 
     def positions(self, at: np.ndarray) -> None:

@@ -15,4 +15,6 @@ OUTPUTS = (
     "body.tension",
     "cable.tension_max", "cable.tension_min", "cable.slack_fraction",
     "solver.steps", "solver.newton_iterations", "solver.rejected_steps",
+    "top.force_mean_x", "top.force_mean_y", "top.force_mean_z",
+    "coupling.growth",
 )  # fmt: skip

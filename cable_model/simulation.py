@@ -41,6 +41,7 @@ class RunStopped(SolverError):
 
 
 COLUMNS = ("time", *INPUTS, *OUTPUTS)
+_MEANS = [k for k, name in enumerate(OUTPUTS) if name.startswith("top.force_mean_")]  # over the output step, however it is followed
 
 
 def write_csv(path: Path, columns: tuple[str, ...], table: np.ndarray) -> None:
@@ -123,9 +124,16 @@ def simulate(
     motion = motion or top_motion(scene.top, scene.winch)
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
+    impulse = np.zeros(len(_MEANS))
 
-    def record(time: float, inputs: np.ndarray) -> None:
+    def advance(time: float, length: float, first: np.ndarray, last: np.ndarray) -> None:
+        model.advance(time, length, first, last)
+        impulse[:] += length * model.outputs[_MEANS]
+
+    def record(time: float, inputs: np.ndarray, mean: np.ndarray) -> None:
         row = np.concatenate(([time], inputs, np.zeros(len(INPUTS) - len(inputs)), model.outputs))
+        row[1 + len(INPUTS) + np.array(_MEANS)] = mean
+        impulse[:] = 0.0
         rows.append(row)
         shapes.append(model.positions())
         if keep is not None:
@@ -133,11 +141,11 @@ def simulate(
 
     start = motion(0.0, 1)
     model.initialize(start)
-    record(0.0, start)
+    record(0.0, start, model.outputs[_MEANS])
     try:
         for output in output_steps(duration, step):
-            follow(model.advance, motion, output, scene.solver.time_step)
-            record(output.end, motion(output.end, 1))
+            follow(advance, motion, output, scene.solver.time_step)
+            record(output.end, motion(output.end, 1), impulse / output.length)
             if progress is not None:
                 progress(output.end)
     except SolverError as error:

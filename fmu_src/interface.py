@@ -38,9 +38,29 @@ GENERIC = {
 CPU_TIME = "solver.cpu_time"
 EFFECTS = "effects.active"
 
-# The parameters of released FMUs, whose value references never change; what the table of effects has beyond them follows.
-# They are named as in scenes, but for `wave`, which is the scene's [waves].
+# What released FMUs have beyond their inputs, after which it comes in this order: value references never change.  What signals.OUTPUTS and
+# the table of effects have beyond it follows.  Parameters are named as in scenes, but for `wave`, which is the scene's [waves].
 RELEASED = (
+    "top.force_x",
+    "top.force_y",
+    "top.force_z",
+    "top.tension",
+    "top.declination",
+    "body.x",
+    "body.y",
+    "body.z",
+    "body.vx",
+    "body.vy",
+    "body.vz",
+    "body.tension",
+    "cable.tension_max",
+    "cable.tension_min",
+    "cable.slack_fraction",
+    "solver.steps",
+    "solver.newton_iterations",
+    "solver.rejected_steps",
+    CPU_TIME,
+    EFFECTS,
     "top.motion_order",
     "cable.length",
     "cable.diameter",
@@ -108,8 +128,13 @@ def scene_name(name: str) -> str:
     return f"waves.{field}" if part == "wave" else name
 
 
-_SCENE_NAMES = tuple(dict.fromkeys([scene_name(name) for name in RELEASED] + list(FMU_PARAMETERS)))
-_PARAMETERS = tuple(name.replace("waves.", "wave.") for name in _SCENE_NAMES)
+def fmu_name(name: str) -> str:
+    """The inverse of `scene_name`."""
+    return name.replace("waves.", "wave.")
+
+
+_NAMES = tuple(dict.fromkeys((*RELEASED, *OUTPUTS, *map(fmu_name, FMU_PARAMETERS))))  # in the order of their value references
+_PARAMETERS = tuple(name for name in _NAMES if name not in (*OUTPUTS, CPU_TIME, EFFECTS))
 
 _INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}
 _PLACES, _SPEEDS, _NONE = INPUTS[:3], INPUTS[3:6], ()
@@ -134,6 +159,15 @@ _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "solver.newton_iterations": ("1", "Newton iterations since initialization", 1e3, _NONE),
     "solver.rejected_steps": ("1", "internal steps that were repeated", 10.0, _NONE),
     CPU_TIME: ("s", "processor time spent in steps", 1.0, _NONE),
+    "top.force_mean_x": ("N", "force of the cable on its attachment, x: mean over the last communication step", 1e3, INPUTS),
+    "top.force_mean_y": ("N", "force of the cable on its attachment, y: mean over the last communication step", 1e3, INPUTS),
+    "top.force_mean_z": ("N", "force of the cable on its attachment, z: mean over the last communication step", 1e3, INPUTS),
+    "coupling.growth": (
+        "1/s",
+        "rate at which the exchange of force and motion with the host feeds a ringing of the force (0 = none)",
+        1.0,
+        _NONE,
+    ),
 }
 
 
@@ -175,12 +209,9 @@ def _inputs(scene: Scene) -> list[Variable]:
     return [*rows, Variable("winch.speed", "input", "continuous", "Real", "m/s", text, 0.0, nominal=1.0)]
 
 
-def _outputs() -> list[Variable]:
-    rows = []
-    for name in (*OUTPUTS, CPU_TIME):
-        unit, text, nominal, starts_from = _OUTPUT_FACTS[name]
-        rows.append(Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal, starts_from=starts_from))
-    return rows
+def _output(name: str) -> Variable:
+    unit, text, nominal, starts_from = _OUTPUT_FACTS[name]
+    return Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal, starts_from=starts_from)
 
 
 def _start(scene: Scene, name: str) -> float | int | bool:
@@ -213,12 +244,18 @@ def _parameter(scene: Scene, name: str) -> Variable:
     )  # fmt: skip
 
 
+def _row(scene: Scene, name: str) -> Variable:
+    """The row of what is no input."""
+    if name == EFFECTS:
+        return Variable(name, "local", "fixed", "String", "", "effects that are simulated, and the value that switched each on")
+    return _output(name) if name in _OUTPUT_FACTS else _parameter(scene, name)
+
+
 @functools.lru_cache(maxsize=8)
 def table(scene: Scene | None = None) -> tuple[Variable, ...]:
     """The interface, with the start values of a scene (None: the generic one); place = value reference = index in the XML - 1."""
     scene = generic_scene() if scene is None else scene
-    active = Variable(EFFECTS, "local", "fixed", "String", "", "effects that are simulated, and the value that switched each on")
-    return (*_inputs(scene), *_outputs(), active, *(_parameter(scene, name) for name in _PARAMETERS))
+    return (*_inputs(scene), *(_row(scene, name) for name in _NAMES))
 
 
 def in_variables(text: str) -> str:

@@ -28,18 +28,19 @@ from cable_model.parameters import field_of
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulated import one_line
-from fmu_src.interface import Variable, in_variables, scene_from_values, table
+from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables, scene_from_values, table
 from fmu_src.model_description import model_description
 from fmu_src.order import Experiment, Phase, expect
 from fmu_src.precompiled import ObjectCode
 from fmu_src.state import ONLY_OWN, TIMES, SavedState, StateError, checked, pack, unpack
 from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, same_text
 
-_FIRST_OUTPUT = len(INPUTS)
-_CPU_TIME = _FIRST_OUTPUT + len(OUTPUTS)
-_EFFECTS = _CPU_TIME + 1
-_FIRST_PARAMETER = _EFFECTS + 1
-_INPUTS = range(_FIRST_OUTPUT)
+_PLACES = {row.name: vr for vr, row in enumerate(table())}
+_INPUTS = range(len(INPUTS))
+_OUTPUTS = tuple(_PLACES[name] for name in OUTPUTS)
+_CPU_TIME, _EFFECTS = _PLACES[CPU_TIME], _PLACES[EFFECTS]
+_PARAMETERS = tuple(vr for vr, row in enumerate(table()) if row.causality == "parameter")
+_VALUES = (*_INPUTS, *_OUTPUTS, _CPU_TIME)
 _CATEGORIES = {Fmi2Status.warning: "logStatusWarning", Fmi2Status.error: "logStatusError"}
 
 
@@ -154,7 +155,7 @@ class CableSlave(Fmi2Slave):
             self._phase = Phase.FAILED
             raise
         self._experiment.last = current_time + step_size
-        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
+        self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
         self._real[_CPU_TIME] += clock.thread_time() - begun
         if model.doubts > self._doubts:
             self._tell_doubts()
@@ -189,7 +190,7 @@ class CableSlave(Fmi2Slave):
         model = self._made(self._parameters())
         model.initialize(np.array([self._real[vr] for vr in _INPUTS]), self._experiment.start)
         self._model = model
-        self._real.update(zip(range(_FIRST_OUTPUT, _CPU_TIME), model.outputs.tolist(), strict=True))
+        self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
         self._outdated = False
 
     def _made(self, parameters: dict[str, float | int | bool]) -> Model:
@@ -204,7 +205,7 @@ class CableSlave(Fmi2Slave):
 
     def _parameters(self) -> dict[str, float | int | bool]:
         known = {**self._real, **self._integer, **self._boolean}
-        return {self._rows[vr].name: known[vr] for vr in range(_FIRST_PARAMETER, len(self._rows))}
+        return {self._rows[vr].name: known[vr] for vr in _PARAMETERS}
 
     def _effects(self) -> str:
         return "" if self._model is None else in_variables(one_line(self._model.scene, self.model_key))
@@ -266,7 +267,7 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        if vrs and min(vrs) >= 0 and max(vrs) < _FIRST_OUTPUT and self._phase < Phase.TERMINATED and math.isfinite(sum(values)):
+        if vrs and min(vrs) >= 0 and max(vrs) < len(INPUTS) and self._phase < Phase.TERMINATED and math.isfinite(sum(values)):
             self._real.update(zip(vrs, values, strict=True))
             self._outdated = True
         else:
@@ -308,21 +309,21 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def _get_fmu_state(self) -> bytes:
         parameters = np.array([float(value) for value in self._parameters().values()])
-        numbers = np.array([*self._experiment.numbers(), *(self._real[vr] for vr in range(_EFFECTS))])
+        numbers = np.array([*self._experiment.numbers(), *(self._real[vr] for vr in _VALUES)])
         model = np.zeros(0) if self._model is None else self._model.state
         return pack(SavedState(self._phase, numbers, parameters, model), self._build())
 
     @_guarded
     def _set_fmu_state(self, state: bytes) -> None:
         saved = self._checked(state)
-        values = dict(zip(range(_FIRST_PARAMETER, len(self._rows)), saved.parameters.tolist(), strict=True))
+        values = dict(zip(_PARAMETERS, saved.parameters.tolist(), strict=True))
         kept = {kind: self._of_kind(values, kind) for kind in ("Real", "Integer", "Boolean")}
         model = self._restored(saved, {self._rows[vr].name: value for group in kept.values() for vr, value in group.items()})
         times, reals = np.split(saved.numbers, [TIMES])
         self._phase = Phase(saved.phase)
         self._experiment = Experiment.from_numbers(times.tolist())
         self._outdated = True
-        self._real |= dict(enumerate(reals.tolist())) | kept["Real"]
+        self._real |= dict(zip(_VALUES, reals.tolist(), strict=True)) | kept["Real"]
         self._integer |= kept["Integer"]
         self._boolean |= kept["Boolean"]
         self._model = model
@@ -352,7 +353,7 @@ class CableSlave(Fmi2Slave):
     def _checked(cls, data: bytes) -> SavedState:
         """A state from bytes, checked whole.  Raises StateError."""
         rows = table(cls._baked())
-        return checked(unpack(data, cls._build()), rows[:_EFFECTS], rows[_FIRST_PARAMETER:])
+        return checked(unpack(data, cls._build()), [rows[vr] for vr in _VALUES], [rows[vr] for vr in _PARAMETERS])
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:

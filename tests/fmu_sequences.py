@@ -21,7 +21,7 @@ import hypothesis
 from fmi_calls import DISCARD, ERROR, OK, WARNING, Component, Library
 from hypothesis import strategies as st
 
-from cable_model.signals import INPUTS
+from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import table
 from fmu_src.model_description import LOG_CATEGORIES
 
@@ -52,7 +52,7 @@ booleans = st.tuples(st.just("boolean"), st.sampled_from(BOOLEANS), st.sampled_f
 step = st.tuples(st.just("step"), st.sampled_from(TIMES), st.sampled_from(STEPS))
 steps = st.tuples(st.just("steps"), st.integers(1, 5))
 get = st.tuples(st.just("get"), kind, st.lists(reference, max_size=5))
-outputs = st.tuples(st.just("get"), st.just("Real"), st.just(list(range(len(INPUTS), PLACE["solver.cpu_time"] + 1))))
+outputs = st.tuples(st.just("get"), st.just("Real"), st.just([PLACE[name] for name in (*OUTPUTS, "solver.cpu_time")]))
 wrong_set = st.tuples(
     st.just("set"), kind, st.lists(st.sampled_from([PLACE["top.tension"], PLACE["effects.active"], 2**31, 12345]), max_size=2)
 )
@@ -135,7 +135,7 @@ class Run:
         if self._told(self.component.step(self.due + off, step)) == OK:
             assert step > 0.0 and math.isfinite(step) and abs(off) < 1e-5
             self.due += off + step
-        self._get("Real", list(range(len(INPUTS), PLACE["solver.cpu_time"])))
+        self._get("Real", [PLACE[name] for name in OUTPUTS])
 
     def _steps(self, count: int) -> None:
         for _ in range(count):

@@ -11,7 +11,7 @@ from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
 from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
-from cable_model.kernels.staggered_step import Gains, Winding, _average, _update_tensions
+from cable_model.kernels.staggered_step import Gains, Winding, _update_tensions, average
 from cable_model.parameters import INTEGRATORS
 
 pytestmark = pytest.mark.plain
@@ -77,7 +77,7 @@ class Step:
         s.contact[:, friction.BEFORE : friction.NOW] = 0.0  # no slider pulled the other way before
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
-        _average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
+        average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
         assemble(
             self.model.parts, self.problem, self.gains, self.now.mesh, s.q, s.v, s.a, self.top, 0.3, 0, s.bands, s.x, s.cells, s.contact
         )

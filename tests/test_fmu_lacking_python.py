@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmi_calls import ERROR, Component, Library
-from fmu_support import Fmu
+from fmu_support import FIRST, Fmu
 from native_support import only_where_they_run
 
 from cable_model.signals import INPUTS, OUTPUTS
@@ -70,7 +70,7 @@ def plain_host(fmus: dict[str, Fmu], tmp_path: Path):
         [str(build.compiler()), "-O1", f"-I{build.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True
     )
     library = Path(fmu.folder) / "binaries" / "linux64" / "TowCable.so"
-    arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(len(OUTPUTS)), str(len(INPUTS))]
+    arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(len(INPUTS))]
 
     def run(**values: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(arguments, input="0 " * 30, env=values, capture_output=True, text=True, check=False)

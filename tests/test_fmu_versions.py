@@ -18,9 +18,9 @@ from fmu_support import (
     sway,
 )
 
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS
 from fmu_src import staging
-from fmu_src.interface import generic_scene
+from fmu_src.interface import generic_scene, table
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -141,5 +141,6 @@ def test_an_instance_needs_neither_scipy_nor_matplotlib_of_ours(fmu: Fmu):
 def test_an_instance_is_driven_by_the_names_of_the_signals(fmu: Fmu):
     """The helper of these tests and the table agree on value references."""
     instance: Instance = fmu.instance()
-    assert [fmu.references[name] for name in (*INPUTS, *OUTPUTS)] == list(range(len(INPUTS) + len(OUTPUTS)))
+    assert fmu.references == {row.name: reference for reference, row in enumerate(table())}
+    assert [fmu.references[name] for name in INPUTS] == list(range(len(INPUTS)))
     instance.slave.freeInstance()

@@ -197,12 +197,30 @@ def measure(parts, problem, mesh, y, yd, ydd, offset, top, threshold):
         above = below
     s = math.sin(y[n - 1, cu + 2])
     c = math.cos(y[n - 1, cu + 2])
-    shear = _shear(parts.bending, y, n - 1)
-    force = (-pulled * s - shear * c, -pulled * c + shear * s)
+    force = _turned(pulled, _shear(parts.bending, y, n - 1), s, c)
     s0 = math.sin(y[0, cu + 2])
     c0 = math.cos(y[0, cu + 2])
     velocity = (y[0, cu] * s0 + y[0, cu + 1] * c0, y[0, cu] * c0 - y[0, cu + 1] * s0)
     return force, (s, c), (x, z), velocity, above, largest, smallest, slack / problem.cable.length
+
+
+@kernel
+def _turned(tension, shear, s, c):
+    """Force on the attachment, in axes (x, z), of tension and shear at the top."""
+    return (-tension * s - shear * c, -tension * c + shear * s)
+
+
+@kernel
+def mean_force(parts, problem, family, y0, yd0, y1, yd1):
+    """Force of the cable on its attachment in the step just taken: that at the averaged time."""
+    top = y0.shape[0] - 1
+    new, old = 1.0 - family.alpha_k, family.alpha_k
+    turn = y0.shape[1] // 3 + 2
+    phi = new * y1[top, turn] + old * y0[top, turn]
+    rate = (1.0 - family.alpha_m) * yd1[top, 0] + family.alpha_m * yd0[top, 0]
+    pulled = tension(parts.inextensible, problem.cable, problem.numeric, new * y1[top, 0] + old * y0[top, 0], rate)
+    shear = new * _shear(parts.bending, y1, top) + old * _shear(parts.bending, y0, top)
+    return _turned(pulled, shear, math.sin(phi), math.cos(phi))
 
 
 @kernel

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
-from cable_model.kernels.chain_outputs import node_positions, outputs, winding_now
+from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.error_control import (
     GROWTH,
@@ -17,11 +17,12 @@ from cable_model.kernels.error_control import (
     judge,
     see_motion,
 )
+from cable_model.kernels.exchange import add_averaged, begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
-from cable_model.kernels.pending import build_bridge, followed, is_short, wait
+from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
 from cable_model.kernels.staggered_step import Winding, with_tolerance
 from cable_model.kernels.top import WINCH, arrival, leaves_plane, winch_turns
@@ -33,8 +34,6 @@ __all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "set
 
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
-EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
-HALVED = math.sqrt(1.6)  # internal steps: pending time and a communication step that are longer together are two steps
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
@@ -195,8 +194,19 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, le
 
 
 @kernel
-def _accept(parts, problem, view, like, h, tiny):
-    grid.keep(parts.box, parts, problem, view, like, h)
+def _count_impulse(parts, problem, view, state, c, time, course, done, h):
+    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    before, _ = _top_on(parts, course, done)
+    after, _ = _top_on(parts, course, done + h)
+    force = grid.mean_force(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
+    gap = h - c.alpha_k * h + state[header.LAG]
+    add_averaged(state, in_axes(parts.space, force, 0.0), (0.5 - c.alpha_k) * h, gap, h, done, course.span)
+
+
+@kernel
+def _accept(parts, problem, view, state, c, time, course, done, h, tiny):
+    grid.keep(parts.box, parts, problem, view, top_at(parts, state, 0), h)
+    _count_impulse(parts, problem, view, state, c, time, course, done, h)
     size = view.y.size
     y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
@@ -251,19 +261,6 @@ def _leaves_plane(space, path, state, length):
 
 
 @kernel
-def _equal_step(time_step, last, pending, span):
-    """The fewest equal parts of the pending time and a communication step that are not longer than an internal step may be.
-
-    Two parts where they are nearer to the last step, in their squares, than the whole is: as the truncation errors go, so are the kicks.
-    """
-    if pending == 0.0:
-        return span / max(1, math.ceil(span / time_step - 1e-9))
-    total = pending + span
-    fewest = 2 if HALVED * last < total < GROWTH * last else 1
-    return total / max(fewest, math.ceil(total / time_step - EXCEEDED))
-
-
-@kernel
 def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
 
@@ -288,7 +285,7 @@ def advance(parts, p, time, span, path, state, work):
     smallest = SMALLEST_STEP * p[0].solver.time_step
     pending = state[header.PENDING]
     total = pending + span
-    base = _equal_step(p[0].solver.time_step, state[header.STEP], pending, span)
+    base = equal_step(p[0].solver.time_step, state[header.STEP], pending, span)
     allowed = allowed_error(state, tolerance, gravity)
     h = base
     if tolerance > 0.0:
@@ -305,6 +302,7 @@ def advance(parts, p, time, span, path, state, work):
         state[header.ERROR_TIME] = time
         return header.TOO_MANY_STEPS
     build_bridge(state, view.bridge)
+    begin_exchange(state)
     course = Course(path, span, view.bridge, pending)
     done = -pending
     trials = Trials(0.0, 0.0)
@@ -355,7 +353,7 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
-        _accept(parts, problem, view, top_at(parts, state, 0), used, used < tiny)
+        _accept(parts, problem, view, state, c, time, course, done, used, used < tiny)
         state[header.STEP] = used
         state[header.LAG_BEFORE] = state[header.LAG]
         state[header.LAG] = c.alpha_k * used

@@ -5,6 +5,7 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.exchange import tell_exchange
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.layout import cut, led_on, top_at
@@ -75,7 +76,16 @@ def outputs(parts, p, state, work, out):
     out[15] = state[header.STEPS]
     out[16] = state[header.NEWTON]
     out[17] = state[header.REJECTED]
+    tell_exchange(state, out)
     watch_outputs(parts, p, state, out)
+
+
+@kernel
+def in_axes(space, a, y):
+    """A vector of the chain's dimension as (x, y, z), `y` in the plane."""
+    if space is not None:
+        return (a[0], a[1], a[2])
+    return (a[0], y, a[1])
 
 
 @kernel

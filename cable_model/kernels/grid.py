@@ -166,6 +166,22 @@ keep = by_presence(_staggered_keep, _box_keep)  # what the next step needs, besi
 
 
 @kernel
+def _staggered_force(box, parts, problem, view, c, time, h, before, after, winding):
+    return staggered_chain.mean_force(
+        parts, problem, c, h, view.mesh, view.y, view.yd0, view.y1, mix(1.0 - c.alpha_k, after, c.alpha_k, before), winding,
+        time + (1.0 - c.alpha_k) * h, view.scratch,
+    )  # fmt: skip
+
+
+@kernel
+def _box_force(box, parts, problem, view, c, time, h, before, after, winding):
+    return box_chain.mean_force(parts, problem, c, view.y, view.yd0, view.y1, view.yd1)
+
+
+mean_force = by_presence(_staggered_force, _box_force)  # on the attachment in the step just taken; after keep
+
+
+@kernel
 def _staggered_error(box, parts, problem, view, c, time, h, reach, before, after, winding):
     return staggered_step.rate_error(
         parts, problem, view.mesh, view.y, view.yd0, view.y1, view.yd1, view.ydd, c, time + (1.0 - c.alpha_k) * h, h, reach,

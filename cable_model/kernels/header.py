@@ -34,10 +34,12 @@ INPUT_STEPS = 56  # 56..59: from each of them to the one after it, from the newe
 DRIFT_STEP = 60  # step that sets the time in which the drift of a held cable's top is removed, s
 OFFSET = 61  # by which the time of the rates kept is after the end of the last internal step, (alpha_m - alpha_k) h, s
 LAG_BEFORE = 62  # LAG of the internal step before
-DOUBTS = 63  # how many kinds of doubt watch.py has seen
-DOUBT = 64  # 64..93: a pair of numbers for each kind, 0 until it is seen
-WATCH = 94  # 94..115: what watch.py keeps
-HEADER = 116
+EXCHANGE = 63  # 63..81: what exchange.py keeps
+RINGING = 82  # 82..170: what ringing.py keeps
+DOUBTS = 171  # how many kinds of doubt watch.py has seen
+DOUBT = 172  # 172..203: a pair of numbers for each kind, 0 until it is seen
+WATCH = 204  # 204..225: what watch.py keeps
+HEADER = 226
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -5,6 +5,9 @@ before excites what the mesh does not resolve.  So nothing is integrated over pe
 its rates; the step that ends the waiting begins where the last one ended, with the top on a quintic (the bridge) from there to where it is.
 """
 
+import math
+
+from cable_model.kernels.error_control import GROWTH
 from cable_model.kernels.header import (
     KEPT_PAID_OUT,
     KEPT_TOP,
@@ -23,6 +26,8 @@ from cable_model.kernels.top import arrival, evaluate, quintic, wind_between
 
 SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
 
+EXCEEDED = 0.25  # of solver.time_step: by so much a step may be longer to which pending time is added
+HALVED = math.sqrt(1.6)  # internal steps: pending time and a communication step that are longer together are two steps
 LAST = 1.0 - 1e-9  # of a path: from there on it has ended
 
 
@@ -30,6 +35,19 @@ LAST = 1.0 - 1e-9  # of a path: from there on it has ended
 def is_short(state, total, step):
     """Whether time of `total` waits, after or instead of an internal step of `step`."""
     return total < max(state[SHORTEST], SHORT * step)
+
+
+@kernel
+def equal_step(time_step, last, pending, span):
+    """The fewest equal parts of the pending time and a communication step that are not longer than an internal step may be.
+
+    Two parts where they are nearer to the last step, in their squares, than the whole is: as the truncation errors go, so are the kicks.
+    """
+    if pending == 0.0:
+        return span / max(1, math.ceil(span / time_step - 1e-9))
+    total = pending + span
+    fewest = 2 if HALVED * last < total < GROWTH * last else 1
+    return total / max(fewest, math.ceil(total / time_step - EXCEEDED))
 
 
 @kernel

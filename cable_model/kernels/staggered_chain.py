@@ -8,7 +8,7 @@ from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
-from cable_model.kernels.staggered_step import Gains, Winding, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Gains, Winding, average, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, zero
 
@@ -82,6 +82,18 @@ def top_force(parts, problem, mesh, y, acceleration, top, winding, time, s):
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     lowest = max(n - 3, 0)
     assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
+    return load(s.x, n - 1, top)
+
+
+@kernel
+def mean_force(parts, problem, c, h, mesh, y0, yd0, y1, top, winding, time, s):
+    """Force of the cable on its attachment in the step just taken, as its equations have it: at the averaged time, at which `top` is."""
+    rates = (c.alpha_m / (1.0 - c.alpha_m), 1.0 / (1.0 - c.alpha_m), 1.0 / (c.gamma * h), (1.0 - c.gamma) / c.gamma)
+    n = mesh.shape[0] + 1
+    lowest = max(n - 3, 0)
+    average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, lowest)
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
+    assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, lowest, s.bands, s.x, s.cells, s.contact)
     return load(s.x, n - 1, top)
 
 

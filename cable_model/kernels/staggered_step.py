@@ -154,7 +154,7 @@ def newton_step(
     start_contacts(parts.seabed, parts.friction, problem.ground, mesh, y0, n - 1, h, like, s.contact)
     previous = 1e300
     for iteration in range(1, (MAX_TURNS if problem.numeric.turn > 0.0 else MAX_ITERATIONS) + 1):
-        _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, problem.numeric.blunt)
+        average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, problem.numeric.blunt)
         assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
         prescribe_ends(parts, s.bands, s.x, n, like)
         solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
@@ -257,11 +257,11 @@ def _hold_anchor(anchor, y1, n, like):
 
 
 @kernel
-def _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0):
-    """Cell vectors and velocities at the averaged time, accelerations at theirs."""
+def average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0, lowest=0):
+    """Cell vectors and velocities at the averaged time, accelerations at theirs; from node `lowest` up."""
     n = mesh.shape[0] + 1
-    low = mix(1.0 - c.alpha_k, load(y1, n, like), c.alpha_k, load(y0, n, like))
-    for i in range(n):
+    low = mix(1.0 - c.alpha_k, load(y1, n + lowest, like), c.alpha_k, load(y0, n + lowest, like))
+    for i in range(lowest, n):
         v0 = load(y0, n + i, like)
         v1 = load(y1, n + i, like)
         vd0 = load(yd0, n + i, like)
@@ -340,7 +340,7 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     moved = felt_in * c.gamma * rate_new * (1.0 - c.alpha_k) * (1.0 - c.alpha_k)
     gains = Gains(moved, 1.0 - c.alpha_k, (1.0 - c.alpha_m) / (c.gamma * felt_in), moved, 1.0, h, winding)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
-    _average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like, 0.0)
+    average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, (1.0 - c.gamma) / c.gamma, s, like, 0.0)
     assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, 0, s.bands, s.x, s.cells, s.contact)
     faster = 0.0
     moving = 0.0

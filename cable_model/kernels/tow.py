@@ -7,6 +7,7 @@ lower end.  Equations of [Wang 1971] with its errors corrected; `as_printed` kee
 import math
 from typing import NamedTuple
 
+from cable_model.kernels.exchange import tell_exchange
 from cable_model.kernels.header import HEADER, NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import body_part, cable_part, displaced_area, total_weight
@@ -21,7 +22,8 @@ PLANE = HEADER + 4  # y (FMI axes) of the plane of motion
 EVALUATIONS = HEADER + 5  # right-hand sides computed so far
 STATE = HEADER + 6
 JOINED = 40  # in work, after what tow_schemes keeps there: path that begins with the pending time, and the top at its end
-WORK = JOINED + PATH + 9
+COUNTED = JOINED + PATH + 9  # impulse of the cable's force so far, over time that waited and over the communication step
+WORK = COUNTED + 6
 SLIVER = 1e-5  # of the times in which the cable swings and stretches by a radian: what is shorter waits for the next step
 
 
@@ -238,15 +240,18 @@ def accelerations(parts, c, top, time, motion, slack):
 
 @kernel
 def end_forces(parts, c, top, time, motion, slack):
-    """Force of the support on the cable (x, y down), and the tensions at the top, in the mean and at the body.
+    """Force of the support on the cable (x, y down), and the tensions at the top, in the mean and at the body."""
+    wd, udd = accelerations(parts, c, top, time, motion, slack)
+    return moving_forces(parts, c, top, time, motion, wd, udd, slack)
 
-    From the momentum of cable and body; the report does not give it.
-    """
+
+@kernel
+def moving_forces(parts, c, top, time, motion, wd, udd, slack):
+    """The same where phi'' and u'' are known.  From the momentum of cable and body; the report does not give it."""
     phi, w, u, ud = motion
     sin = math.sin(phi)
     cos = math.cos(phi)
     length = c.length + u
-    wd, udd = accelerations(parts, c, top, time, motion, slack)
     _, _, cx, cy, wet = cable_water(parts.water, parts, c, top, time, motion)
     dx, dy, mass_x, mass_y = body_water(parts.body, parts.water, parts, c, top, time, motion)
     ax = top[2] - udd * sin - 2.0 * ud * w * cos - length * (cos * wd - sin * w * w)
@@ -323,3 +328,4 @@ def outputs_in_plane(space, parts, p, state, work, out):
     out[15] = state[STEPS]
     out[16] = state[NEWTON]
     out[17] = state[REJECTED]
+    tell_exchange(state, out)

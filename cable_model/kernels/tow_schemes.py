@@ -295,7 +295,7 @@ def _excess_by_stages(c, y, end, work):
 
 @kernel
 def merson_step(parts, c, drive, elapsed, h, y, f, slack, scale, work):
-    """One step of Kutta-Merson, the report's method; returns as radau_step does."""
+    """One step of Kutta-Merson, the report's method; returns as radau_step does, and leaves its start, middle and end as stages."""
     k2 = derivative(parts, c, drive, elapsed + h / 3.0, moved(y, h / 3.0, f), slack)
     k3 = derivative(parts, c, drive, elapsed + h / 3.0, moved(moved(y, h / 6.0, f), h / 6.0, k2), slack)
     half = moved(moved(y, h / 8.0, f), 0.375 * h, k3)
@@ -309,4 +309,8 @@ def merson_step(parts, c, drive, elapsed, h, y, f, slack, scale, work):
     rest = excess_tension(c, end) - g0 - rise
     a3 = 2.0 * (rest - 4.0 * (excess_tension(c, half) - g0 - 0.5 * rise))
     keep_cubic(work, g0, rise, rest - a3, a3)
+    n = len(y)
+    for k in range(n):
+        work[k], work[n + k], work[2 * n + k] = 0.0, half[k] - y[k], end[k] - y[k]
+        work[RATES + k], work[RATES + n + k], work[RATES + 2 * n + k] = f[k], k4[k], k5[k]
     return 0, end, size_of(error, scale), 4

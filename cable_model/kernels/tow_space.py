@@ -12,6 +12,7 @@ motion in one vertical plane is then that of tow.py, and a scene turned about th
 import math
 from typing import NamedTuple
 
+from cable_model.kernels.exchange import tell_exchange
 from cable_model.kernels.header import NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.top import evaluate
@@ -98,8 +99,8 @@ def swing_of(frame, y):
 
 
 @kernel
-def chart_accelerations(y, swing, turning):
-    """xi_1'' and xi_2'' of the direction's second derivative (only its part across e counts)."""
+def _curvature(y):
+    """Of the chart at y: the direction outward in it, sin|xi|/|xi|, and what its curvature adds to accelerations along and across."""
     angle = math.sqrt(y[0] * y[0] + y[4] * y[4])
     c1, c2 = (y[0] / angle, y[4] / angle) if angle > 0.0 else (1.0, 0.0)
     outward = c1 * y[1] + c2 * y[5]
@@ -112,9 +113,24 @@ def chart_accelerations(y, swing, turning):
     else:
         bent = (sinc * math.cos(angle) - 1.0) / angle
         curled = 2.0 * (1.0 - math.cos(angle) / sinc) / angle
-    first = dot(turning, swing.along) + bent * sideways * sideways
-    second = dot(turning, swing.across) / sinc + curled * outward * sideways
+    return c1, c2, sinc, bent * sideways * sideways, curled * outward * sideways
+
+
+@kernel
+def chart_accelerations(y, swing, turning):
+    """xi_1'' and xi_2'' of the direction's second derivative (only its part across e counts)."""
+    c1, c2, sinc, bent, curled = _curvature(y)
+    first = dot(turning, swing.along) + bent
+    second = dot(turning, swing.across) / sinc + curled
     return c1 * first - c2 * second, c2 * first + c1 * second
+
+
+@kernel
+def turning_of(y, swing, x1, x2):
+    """The direction's second derivative from xi_1'' and xi_2''."""
+    c1, c2, sinc, bent, curled = _curvature(y)
+    across = mix(c1 * x1 + c2 * x2 - bent, swing.along, sinc * (c1 * x2 - c2 * x1 - curled), swing.across)
+    return axpy(-dot(swing.rate, swing.rate), swing.e, across)
 
 
 @kernel
@@ -236,10 +252,16 @@ def swing_now(state):
 @kernel
 def end_forces_in_space(parts, c, top, time, swing, u, ud, slack):
     """Force of the support on the cable, and the tensions at the top, in the mean and at the body; as tow.end_forces."""
+    turning, stretching = turning_and_stretching(parts, c, top, time, swing, u, ud, slack)
+    return moving_forces_in_space(parts, c, top, time, swing, u, ud, turning, stretching, slack)
+
+
+@kernel
+def moving_forces_in_space(parts, c, top, time, swing, u, ud, turning, stretching, slack):
+    """The same where the second derivatives of e and of u are known."""
     _, v, a = top
     e, w = swing.e, swing.rate
     length = c.length + u
-    turning, stretching = turning_and_stretching(parts, c, top, time, swing, u, ud, slack)
     r = add(mix(stretching, e, 2.0 * ud, w), scale(length, turning))
     _, drag, wet = cable_water_in_space(parts.water, parts, c, top, time, swing, u, ud)
     pull, mass_x, mass_y = body_water_in_space(parts.body, parts.water, parts, c, top, time, swing, u, ud)
@@ -280,6 +302,7 @@ def outputs_in_space(space, parts, p, state, work, out):
     out[15] = state[STEPS]
     out[16] = state[NEWTON]
     out[17] = state[REJECTED]
+    tell_exchange(state, out)
 
 
 @kernel

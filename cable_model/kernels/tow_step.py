@@ -7,6 +7,7 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.error_control import MOST_STEPS
+from cable_model.kernels.exchange import IMPULSE, OWED
 from cable_model.kernels.header import (
     ERROR_SIZE,
     ERROR_TIME,
@@ -33,16 +34,19 @@ from cable_model.kernels.top import PATH, ROWS, arrival, leaves_plane, quintic, 
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
+    COUNTED,
     EVALUATIONS,
     JOINED,
     PLANE,
     STRETCH,
     STRETCH_RATE,
+    WORK,
     constants,
     excess_tension,
     outputs_in_plane,
     work_size,
 )
+from cable_model.kernels.tow_impulse import count_impulse
 from cable_model.kernels.tow_schemes import (
     CUBIC,
     MAX_ITERATIONS,
@@ -250,6 +254,9 @@ def advance(parts, p, time, h, path, state, work):
         whole = work[JOINED : JOINED + PATH].reshape(ROWS, 4)
         join(path, h, state, work[JOINED + PATH : JOINED + PATH + 9], whole)
         path = whole
+    waited = state[PENDING]
+    for k in range(COUNTED, WORK):
+        work[k] = 0.0
     end_time = time + h
     time -= state[PENDING]
     h += state[PENDING]
@@ -305,6 +312,7 @@ def advance(parts, p, time, h, path, state, work):
                 rejected += 1
                 wanted = 0.25 * before
                 continue
+        count_impulse(explicit, parts, c, drive, elapsed, size, y, slack, waited, work)
         elapsed = goal if size >= left else elapsed + size
         if size >= left:
             piece += 1
@@ -326,6 +334,9 @@ def advance(parts, p, time, h, path, state, work):
         else:
             wanted = max(wanted, 2.0 * size)
     keep_motion(parts.space, y, drive.frame, state)
+    for k in range(3):
+        state[OWED + k] += work[COUNTED + k]
+        state[IMPULSE + k] = work[COUNTED + 3 + k]
     state[TIME] = end_time
     state[PENDING] = 0.0
     state[STEP] = size

@@ -13,7 +13,7 @@ from cable_model.kernels.problem import NEUTRAL, is_neutral
 from cable_model.kernels.top import horizon
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, NUMBER
 
-JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP = range(13)  # kinds
+JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
@@ -43,7 +43,7 @@ LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it leng
 
 
 @kernel
-def _note(state, kind, seen, other):
+def note(state, kind, seen, other):
     """Keep the first pair of a kind."""
     pair = state[DOUBT + 2 * kind : DOUBT + 2 * kind + 2]
     if pair[0] == 0.0 and pair[1] == 0.0:
@@ -91,7 +91,7 @@ def watch_inputs(order, p, state, inputs, step):
     if h == 0.0:
         allowed = TOUCHED * length
     if gap > allowed:
-        _note(state, JUMP, gap, reach)
+        note(state, JUMP, gap, reach)
     elif h > 0.0:
         state[FASTEST] = max(state[FASTEST], way / h)
         for level in range(order):
@@ -102,7 +102,7 @@ def watch_inputs(order, p, state, inputs, step):
             scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
             enough = max(UNEXPLAINED * state[GONE + level], scale)
             if state[MISSED + level] > enough and state[GONE + level] + state[MISSED + level] > SEVERAL * state[FARTHEST + level]:
-                _note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
+                note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
         _watch_motion(order, p, state, inputs, step)
     for k in range(9):
         last[k] = inputs[k]
@@ -142,11 +142,11 @@ def _watch_motion(order, p, state, inputs, step):
         state[MISSING] += before
         rates_differ = state[DOUBT + 2 * VELOCITY] + state[DOUBT + 2 * ACCELERATION] > 0.0
         if state[MISSING] > 0.5 * moving and moving > FEWEST_STEPS * before and not rates_differ:
-            _note(state, KICKED, kick, inertia)
+            note(state, KICKED, kick, inertia)
     if state[RATES] > 0.0 and p[0].solver.tolerance == 0.0:
         period = 2.0 * math.pi * math.sqrt(state[SPEEDS] / state[RATES])
         if moving > PERIODS * period and FEWEST_STEPS * state[STEP] > period:
-            _note(state, COARSE, state[STEP], period)
+            note(state, COARSE, state[STEP], period)
 
 
 @kernel
@@ -167,9 +167,9 @@ def _watch_rest(parts, p, state, largest):
         return
     if parts.anchor is not None:
         if largest <= 2.0 * NEUTRAL * mass * p[0].environment.gravity:
-            _note(state, ANY_SHAPE, weight, mass)
+            note(state, ANY_SHAPE, weight, mass)
     elif not flows(parts.current):
-        _note(state, ANY_PLACE, weight, mass)
+        note(state, ANY_PLACE, weight, mass)
 
 
 @kernel
@@ -178,7 +178,7 @@ def _watch_waves(waves, state):
         return
     for j in range(waves.shape[0]):
         if waves[j, AMPLITUDE] * waves[j, NUMBER] > BREAKING:
-            _note(state, STEEP, 2.0 * waves[j, AMPLITUDE], 2.0 * math.pi / waves[j, NUMBER])
+            note(state, STEEP, 2.0 * waves[j, AMPLITUDE], 2.0 * math.pi / waves[j, NUMBER])
 
 
 @kernel
@@ -192,12 +192,12 @@ def watch_outputs(parts, p, state, outputs):
     lower_z = outputs[7]
     highest = max(state[TOP + 2], lower_z)
     if parts.water is not None and parts.surface is None and highest > allowed:
-        _note(state, ABOVE, highest, allowed)
+        note(state, ABOVE, highest, allowed)
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
-        _note(state, BELOW, lower_z, -depth)
+        note(state, BELOW, lower_z, -depth)
     if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * p[0].cable.axial_stiffness:
-        _note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])
+        note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])
 
 
 @kernel
@@ -208,7 +208,7 @@ def watch_straight(parts, p, state, lowest, force):
     and tried against a converged chain.  `force` is the scale of the tension T, and `lowest` the lowest now in the cable.
     """
     if lowest < -PUSHED * force:
-        _note(state, PRESSED, lowest, force)
+        note(state, PRESSED, lowest, force)
     if parts.water is None or state[SIDEWAYS] == 0.0 or state[RATES] == 0.0:
         return
     omega = math.sqrt(state[RATES] / state[SPEEDS])
@@ -218,4 +218,4 @@ def watch_straight(parts, p, state, lowest, force):
     amplitude = math.sqrt(2.0 * state[SIDEWAYS] / state[MOVING])
     drag = 4.0 / (3.0 * math.pi) * p[0].water.density * cable.normal_drag_coefficient * cable.diameter * amplitude
     if 2.0 * force < drag * omega * cable.length**2:
-        _note(state, CURVED, math.sqrt(2.0 * force / (drag * omega)), cable.length)
+        note(state, CURVED, math.sqrt(2.0 * force / (drag * omega)), cable.length)

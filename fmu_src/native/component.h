@@ -163,6 +163,12 @@ static int64_t run(Instance *m, int what, double time, double step, const double
     return broken ? NOT_FINITE : status;
 }
 
+static void keep_outputs(Instance *m, const double *outputs)
+{
+    for (int k = 0; k < N_OUTPUTS; k++)
+        m->core.values[outputs_at[k]] = outputs[k];
+}
+
 /* Each kind of doubt once. */
 static void tell_doubts(Instance *m)
 {
@@ -233,7 +239,7 @@ static fmi2Status initialize(Instance *m)
     int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);
     if (status != OK)
         return report(m, status, m->core.start_time, 0.0);
-    memcpy(m->core.values + N_INPUTS, outputs, sizeof outputs);
+    keep_outputs(m, outputs);
     m->core.last_time = m->core.start_time;
     m->core.initialized = 1.0;
     m->core.outdated = 0.0;

@@ -127,7 +127,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import header, top, watch
+    from cable_model.kernels import exchange, header, ringing, top, watch
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
@@ -161,6 +161,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             path = work[PATH:END].reshape((ROWS, 4))
             end = work[END:WORK]
             if what == STEP:
+                ringing.watch_ringing(numbers, state, inputs)
                 watch.watch_inputs(order, numbers, state, inputs, step)
                 top.follow_inputs(order, numbers, state, inputs, step, end, path)
             else:
@@ -172,6 +173,10 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             status = advance(parts, numbers, time, step, path, state, work[WORK:])
         if status == ok:
             write_outputs(parts, numbers, state, work[WORK:], outputs)
+            if what == START:
+                exchange.start_exchange(state, outputs)
+            elif what != OUTPUTS:
+                exchange.end_exchange(state, step, outputs)
             if what == STEP:
                 top.remember(order, numbers, state, inputs, step)
         return status

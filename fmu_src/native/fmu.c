@@ -158,7 +158,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean 
         m->core.phase = status == TOO_FAST ? RUNNING : FAILED;
         return report(m, status, now, outputs[0]);
     }
-    memcpy(m->core.values + N_INPUTS, outputs, sizeof outputs);
+    keep_outputs(m, outputs);
     m->core.last_time = now + step;
     m->core.values[CPU_TIME] += processor_time() - begun;
     tell_doubts(m);

@@ -1,0 +1,86 @@
+"""What the cable gives to its attachment over a communication step: the impulse of its force, told as its mean.
+
+The impulse is that of the model's own steps, so that it is the change of momentum of cable and body less the impulse of all other forces.
+Over time that waits (pending.py) nothing is integrated: the force that the outputs lead on is told, and what the internal step that ends
+the waiting finds to be wrong with it is told afterwards, over no less than an internal step.  The sum of mean times step over all
+communication steps is then the impulse so far, but for what is still owed.
+"""
+
+from cable_model.kernels.header import DOUBTS, EXCHANGE, PENDING, STEP, STEPS
+from cable_model.kernels.jit import kernel
+
+IMPULSE = EXCHANGE  # of the force over the communication step, from its own internal steps, N s; three numbers, as all that follow
+OWED = EXCHANGE + 3  # impulse over time that waited, less what was told then
+AHEAD = EXCHANGE + 6  # impulse told over time that still waits
+MEAN = EXCHANGE + 9  # force told for the last communication step, N
+LAST = EXCHANGE + 12  # force at the averaged time of the last internal step, N
+TOLD = EXCHANGE + 15  # force at the end of the last communication step, N
+GROWTH = EXCHANGE + 18  # rate at which the exchange feeds a ringing, 1/s; see ringing.py
+MEANS = 18  # of the outputs, the first of three
+
+
+@kernel
+def begin_exchange(state):
+    for k in range(3):
+        state[IMPULSE + k] = 0.0
+
+
+@kernel
+def add_impulse(state, force, h, done, span):
+    """Count the force (Fx, Fy, Fz) over an internal step of h that began `done` after the start of the communication step of `span`."""
+    waited = min(max(-done / h, 0.0), 1.0)
+    for k in range(3):
+        state[OWED + k] += waited * h * force[k]
+        state[IMPULSE + k] += (1.0 - waited) * h * force[k]
+
+
+@kernel
+def add_averaged(state, force, late, gap, h, done, span):
+    """The same for a force that holds `late` after the step's middle, and `gap` after that of the step before."""
+    share = late / gap if state[STEPS] > 0.0 else 0.0
+    middle = (
+        force[0] - share * (force[0] - state[LAST]),
+        force[1] - share * (force[1] - state[LAST + 1]),
+        force[2] - share * (force[2] - state[LAST + 2]),
+    )
+    add_impulse(state, middle, h, done, span)
+    for k in range(3):
+        state[LAST + k] = force[k]
+
+
+@kernel
+def start_exchange(state, outputs):
+    """Begin with the outputs of the initialization."""
+    for k in range(EXCHANGE, DOUBTS):
+        state[k] = 0.0
+    for k in range(3):
+        state[MEAN + k] = outputs[k]
+        state[TOLD + k] = outputs[k]
+        outputs[MEANS + k] = outputs[k]
+
+
+@kernel
+def end_exchange(state, span, outputs):
+    """Settle a communication step of `span` that left these outputs, into which its mean force goes."""
+    share = 0.0
+    if state[PENDING] == 0.0:
+        share = min(span / state[STEP], 1.0)
+    for k in range(3):
+        if state[PENDING] > 0.0:
+            state[MEAN + k] = outputs[k]
+            state[AHEAD + k] += span * outputs[k]
+        else:
+            owed = state[OWED + k] - state[AHEAD + k]
+            state[MEAN + k] = (state[IMPULSE + k] + share * owed) / span
+            state[OWED + k] = (1.0 - share) * owed
+            state[AHEAD + k] = 0.0
+        state[TOLD + k] = outputs[k]
+    tell_exchange(state, outputs)
+
+
+@kernel
+def tell_exchange(state, outputs):
+    """The mean force and the growth that the state has."""
+    for k in range(3):
+        outputs[MEANS + k] = state[MEAN + k]
+    outputs[MEANS + 3] = state[GROWTH]
