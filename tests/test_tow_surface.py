@@ -13,6 +13,10 @@ from cable_model.cable_chain import CableChain
 from cable_model.effects import PARAMETERS, record
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
+from cable_model.kernels.problem import body_part, cable_part
+from cable_model.kernels.staggered_step import Gains
+from cable_model.kernels.staggered_surface import _bobbing_body
+from cable_model.kernels.tow_water_space import body_water_in_space
 from cable_model.scene import from_dict, load, with_values
 from cable_model.simulated import numbers_of
 from cable_model.tow_cable import TowCable
@@ -28,6 +32,7 @@ NO_DRAG = {
 }  # fmt: skip
 AT, WEIGHT = (np.polynomial.legendre.leggauss(6)[0] + 1.0) / 2.0, np.polynomial.legendre.leggauss(6)[1] / 2.0
 CALM = np.array([[0.0, 0.0, 0.0]])
+NO_GAINS = Gains(*[0.0] * len(Gains._fields))
 THICK = {"cable.diameter": 0.4, "cable.mass_per_length": 100.0}
 
 
@@ -185,6 +190,31 @@ def test_a_motion_in_the_plane_is_that_in_space_and_its_mirror_image_too(waves):
 
 
 @pytest.mark.plain
+@pytest.mark.parametrize("waves", ["stretched", "cut"])
+def test_a_body_in_waves_takes_from_the_surface_what_it_takes_on_the_chain(waves):
+    """Mass times acceleration less all forces, as the staggered grid has them: the level and its rate are those of the waves."""
+    parts = SPACE._replace(waves=WAVES, **{waves: True})
+    c, values = constants(parts, tow__added_mass_vertical=60.0)
+    numbers = record(values)
+    body, cable = body_part(True, True, numbers), cable_part(True, numbers)
+    random = np.random.default_rng(8)
+    seen = 0
+    for _ in range(20):
+        e, v, w, a = (random.normal(size=3) for _ in range(4))
+        e /= np.linalg.norm(e)
+        length, place, u = c.length + 0.3, np.array([*random.normal(size=2) * 5.0, random.normal() * 0.6]), 0.3
+        w -= w @ e * e
+        top = (tuple(place - length * e), tuple(v - length * w), (0.0, 0.0, 0.0))
+        swing = tow_space.Swing(tuple(e), tuple(w), (), ())
+        force, mass_x, mass_z = body_water_in_space(True, True, parts, c, top, 1.3, swing, u, 0.0)
+        chain, _ = _bobbing_body(True, parts, body, cable, NO_GAINS, tuple(place), tuple(v), tuple(a), 1.3)
+        straight = np.array([mass_x, mass_x, mass_z]) * a - force + [0.0, 0.0, c.body_weight]
+        assert straight == pytest.approx(chain, rel=1e-9, abs=1e-9)
+        seen += mass_x < c.mass_x
+    assert seen > 5
+
+
+@pytest.mark.plain
 def test_above_the_surface_there_is_no_water_and_below_it_no_surface():
     seas = {"waves": WAVES, "stretched": True}
     c, _ = constants(FLAT)
@@ -318,7 +348,7 @@ def test_a_heavy_cable_through_the_surface_differs_from_the_chain_as_much_as_a_d
     assert np.all(apart(3.0, 20.0, 0.07)[1] < 1.2 * apart(-12.0, 20.0, 0.07)[1])
 
 
-CABLE = {"length": 5.0, "mass_per_length": 0.5, "axial_stiffness": 1e4}
+CABLE = {"length": 5.0, "mass_per_length": 0.5, "axial_stiffness": 1e4, "diameter": 0.02}
 NO_REFERENCE = {"tow.reference_tension": 0.0, "tow.poisson_ratio": 0.0}
 BOB = NO_DRAG | {
     "cable.length": 5.0, "cable.mass_per_length": 0.5, "cable.axial_stiffness": 1e4, "cable.diameter": 0.02, "body.mass": 600.0,
