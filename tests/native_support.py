@@ -21,6 +21,8 @@ only_where_they_run = [
     pytest.mark.xdist_group("native"),  # one worker compiles the FMUs, once
 ]
 
+FLAVOURS = [pytest.param("fmus", marks=only_where_they_run[1]), pytest.param("native", marks=only_where_they_run)]  # fixtures, by name
+
 
 def values_of(scene: Scene, model: str) -> dict[str, Any]:
     """The parameter values that make a model's generic FMU simulate a scene: those that the model has a use for."""
