@@ -132,7 +132,11 @@ def test_every_parameter_reaches_the_scene():
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
-        needs["seabed.level"] = needs["seabed.friction_coefficient"] = {"seabed.stiffness": 1e5}
+        for name in ("level", "damping_ratio", "friction_coefficient", "friction_velocity", "friction_displacement"):
+            needs[f"seabed.{name}"] = {"seabed.stiffness": 1e5}
+        for axis in "xyz":
+            needs[f"lower_end.{axis}"] = {"lower_end.anchored": True, "body.mass": 0.0}
+        needs["tow.drag_area_axial"] = {"tow.body_angle": 0.5}
         needs["seabed.laid_from_anchor"] = {
             "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "lower_end.anchored": True, "body.mass": 0.0
         }  # fmt: skip
@@ -175,7 +179,7 @@ def test_effects_are_told_as_text_and_outputs_are_all_reals():
 
 def test_the_least_value_told_is_one_that_is_taken():
     """FMI's min is a bound that is reached: where a rule says "above", it is the next number."""
-    base = generic_scene()
+    base = with_values(generic_scene(), {"seabed.stiffness": 1e5})
     excluded = [row for row in parameter_rows() if row.minimum_excluded]
     assert {row.name for row in excluded} >= {"cable.length", "solver.time_step"}
     for row in excluded:
