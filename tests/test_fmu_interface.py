@@ -147,7 +147,8 @@ def test_every_parameter_reaches_the_scene():
         expected = row.choices[value] if row.choices else value
         part, field = row.scene_name.split(".")
         assert getattr(getattr(changed, part), field) == expected
-        assert scene_from_values(changed, {name: r.start for r in table(base) if (name := r.name) in (*values, *extra)}, model) == base
+        starts = {r.name: r.start for r in table(base) if r.name in (*values, *extra)}
+        assert scene_from_values(changed, starts, model) == base
 
 
 def test_a_name_that_is_no_parameter_names_the_nearest_one():

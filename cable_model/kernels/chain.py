@@ -7,6 +7,7 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.clock import start_clock
 from cable_model.kernels.error_control import (
     GROWTH,
     MOST_STEPS,
@@ -102,7 +103,7 @@ def set_off(parts, p, time, state, work):
     for i in range(view.y.shape[0]):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
-    header.start_clock(state, time)
+    start_clock(state, time)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
 

@@ -3,8 +3,6 @@
 A state vector is one contiguous float64 array: HEADER numbers, then the model's own.  Copying it copies the whole state.
 """
 
-from cable_model.kernels.jit import kernel
-
 TIME = 0
 STEP = 1  # last internal step, s; 0 before the first
 NEXT_STEP = 2  # step that the error control proposes, s
@@ -53,13 +51,3 @@ BELOW_WAVES = 8  # the cable reaches below the bottom of the waves
 NO_SLACK = 9  # no static equilibrium, or only that of a column, of a cable that can be pressed
 TOO_MANY_STEPS = 10  # a communication step that would not end
 LAST_STATUS = TOO_MANY_STEPS
-
-
-@kernel
-def start_clock(state, time):
-    """Clock and counters of a run that begins; the top, its inputs and the winch are start_top's."""
-    state[TIME] = time
-    for k in (STEP, NEXT_STEP, STEPS, NEWTON, REJECTED, LAST_ERROR, LARGEST_MOTION):
-        state[k] = 0.0
-    for k in (PENDING, LAG, LAG_BEFORE, OFFSET, DRIFT_STEP):
-        state[k] = 0.0

@@ -3,7 +3,8 @@
 import math
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, TOP, start_clock
+from cable_model.kernels.clock import start_clock
+from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
