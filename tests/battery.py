@@ -102,6 +102,8 @@ def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Sce
         holder = getattr(scene, part.name)
         if not dataclasses.is_dataclass(holder) or isinstance(holder, type):
             continue
+        if part.name == "seabed" and not holder.stiffness:
+            continue  # there is none, and its values must be the usual ones
         parts[part.name] = dataclasses.replace(
             holder,
             **{

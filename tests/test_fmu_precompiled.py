@@ -17,7 +17,6 @@ from fmu_support import FMICallException, Fmu, assert_same, sway
 from cable_model.effects import Parts
 from cable_model.models import MODELS
 from cable_model.scene import load
-from cable_model.signals import OUTPUTS
 from cable_model.simulated import parts_of
 from fmu_src import precompiled
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
@@ -277,16 +276,3 @@ def test_a_failed_step_says_what_the_library_says(fmus: dict[str, Fmu]):
         assert instance.errors == [str(expected.value)]
         assert np.array_equal(instance.outputs(), before)
         instance.close()
-
-
-def test_only_what_fmi_asks_for_is_served(fmus: dict[str, Fmu]):
-    with zipfile.ZipFile(fmus["tow"].path) as archive:
-        code = ObjectCode(archive.read("resources/kernels.o"), object_code.GENERIC["tow"])
-    model = MODELS["tow"](generic_scene(), code.calls)
-    model.initialize(sway(0.0))
-    assert_same(steps_of(model, 5), library("tow", {}, 5))
-    assert len(model.outputs) == len(OUTPUTS)
-    with pytest.raises(NotImplementedError, match="inputs at the start of a step only"):
-        model.advance(0.0, STEP, sway(0.0), sway(STEP))
-    with pytest.raises(NotImplementedError, match="outputs only"):
-        model.positions()
