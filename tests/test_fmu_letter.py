@@ -317,7 +317,8 @@ class Forged:
         self.native = data.startswith(b"CABLEFM3")
         self.data = bytearray(data)
         self.values = 64 if self.native else 44 + 8 * 5
-        self.first_parameter = 8 * PLACE["top.motion_order"] + self.values if self.native else self.values + 8 * PLACE["effects.active"]
+        told = sum(row.causality in ("input", "output") for row in table())  # before the parameters, in Python, wherever they stand
+        self.first_parameter = self.values + 8 * (PLACE["top.motion_order"] if self.native else told)
 
     def put(self, offset: int, value: float) -> Forged:
         self.data[offset : offset + 8] = struct.pack("<d", value)
