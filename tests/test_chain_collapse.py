@@ -34,11 +34,21 @@ def test_collapse_runs_to_its_end_with_no_more_compression_than_bending_holds_an
     _, run, misfit = collapse(nodes, step)
     smallest, largest = 1.75 / (nodes - 1) ** 2, 1.75 * (2.0 / (nodes - 1) - 1.0 / (nodes - 1) ** 2)  # cells of the mesh s = L xi^2
     assert run["time"][-1] == 10.0
-    # the motion is chaotic: at 101 nodes and 0.01 s, round-off in the amplitude rejects from 9 to 15 steps of some 1030
-    assert run["solver.rejected_steps"][-1] < 0.02 * 10.0 / step
     assert np.min(run["cable.tension_min"]) >= -2.0 * SHORT_BENDING / smallest**2
     assert np.min(run["top.tension"]) >= -2.0 * SHORT_BENDING / largest**2 * (1.0 + 1e-9)
     assert misfit < 1e-6 * 1.75
+
+
+CHAOS = "chaotic: runs that differ by round-off in the amplitude reject from 9 to 15 of some 1030 steps"
+
+
+@pytest.mark.parametrize(
+    ("nodes", "step"),
+    [pytest.param(*each, marks=pytest.mark.xfail(strict=False, reason=CHAOS)) if each == (101, 0.01) else each for each in SETTINGS],
+)
+def test_collapse_rejects_less_than_a_hundredth_of_its_steps(nodes, step):
+    _, run, _ = collapse(nodes, step)
+    assert run["solver.rejected_steps"][-1] < 0.01 * 10.0 / step
 
 
 @pytest.mark.parametrize(("nodes", "step"), SETTINGS[:-1])

@@ -36,14 +36,14 @@ def test_a_winch_that_starts_at_once_finds_a_slack_cable_but_no_push():
 
 
 def test_a_payload_on_the_seabed_hangs_on_no_cable():
-    series = drive(make(LANDED), every(0.05, 20.0), lowered)
+    """Without damping the slack rope above it swings on, and tugs now and then; with that of a rope it comes to rest."""
     weight = 9.80665 * 1000.0
-    assert series["body.tension"][0] == pytest.approx(weight, rel=1e-6)
-    assert np.min(series["body.tension"]) >= 0.0
-    resting = series["body.tension"][-100:]  # the slack rope above it, which nothing damps, still swings
-    assert np.max(resting) < 0.05 * weight
-    assert np.mean(resting) == pytest.approx(0.0, abs=0.01 * weight)
-    assert series["body.z"][-1] == pytest.approx(-102.0, abs=0.1)
+    for damping in (0.0, 1e4):
+        series = drive(make(LANDED, cable__axial_damping=damping), every(0.05, 20.0), lowered)
+        assert series["body.tension"][0] == pytest.approx(weight, rel=1e-6)
+        assert np.min(series["body.tension"]) >= 0.0
+        assert series["body.z"][-1] == pytest.approx(-102.0, abs=0.1)
+    assert series["body.tension"][-100:] == pytest.approx(0.0, abs=1e-3 * weight)
 
 
 def test_of_a_payload_that_is_partly_lifted_the_seabed_takes_its_share_of_the_lowest_node():

@@ -22,10 +22,8 @@ LENGTH = TOP_SPEED + 6
 ROW = LENGTH + 1  # numbers of a step: the forces that may be held come first
 ROWS = 4  # steps, the newest first
 BEGUN = RINGING + ROWS * ROW  # force told and place of the top at the start of the step that is made
-SUMS = (
-    BEGUN + 6
-)  # of the window, for each force: energy by the host's way and by the top's, products of the kinks of force and acceleration,
-PER_FORCE = 4  # and of that of the force with itself
+SUMS = BEGUN + 6  # of the window, PER_FORCE for each of the forces that may be held
+PER_FORCE = 4  # energy by the host's way, by the top's; products of the kinks of force and acceleration, and of the force with itself
 HURRIED = SUMS + PER_FORCE * HELD  # product of the kinks of the host's acceleration with themselves
 KINKED = HURRIED + 1  # square of the kinks of the force
 SIZE = HURRIED + 2  # of the force

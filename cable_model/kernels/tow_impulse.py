@@ -6,10 +6,9 @@ step's last iteration, so that no equation of motion is solved again.
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import evaluate
 from cable_model.kernels.tow import COUNTED, moving_forces
-from cable_model.kernels.tow_schemes import C1, C2, RATES, ROOT6, moved, row
-from cable_model.kernels.tow_space import moving_forces_in_space, swing_of, turning_of
+from cable_model.kernels.tow_schemes import C1, C2, RATES, ROOT6, moved, row, top_in_plane
+from cable_model.kernels.tow_space import moving_forces_in_space, swing_of, top_in_space, turning_of
 
 B1 = (16.0 - ROOT6) / 36.0
 B2 = (16.0 + ROOT6) / 36.0
@@ -19,20 +18,13 @@ B3 = 1.0 / 9.0
 @kernel
 def _force_in_plane(space, parts, c, drive, elapsed, y, rates, slack):
     """Force of the cable on its attachment (x, y, z) at a stage; `rates` are those of y."""
-    x, vx, ax = evaluate(drive.path, drive.h, elapsed / drive.h, 0)
-    z, vz, az = evaluate(drive.path, drive.h, elapsed / drive.h, 2)
-    top = (x, vx, ax, -z, -vz, -az)
-    fx, fy, _, _, _ = moving_forces(parts, c, top, drive.time + elapsed, y, rates[1], rates[3], slack)
+    fx, fy, _, _, _ = moving_forces(parts, c, top_in_plane(drive, elapsed), drive.time + elapsed, y, rates[1], rates[3], slack)
     return (-fx, 0.0, fy)
 
 
 @kernel
 def _force_in_space(space, parts, c, drive, elapsed, y, rates, slack):
-    s = elapsed / drive.h
-    x, vx, ax = evaluate(drive.path, drive.h, s, 0)
-    z, vz, az = evaluate(drive.path, drive.h, s, 2)
-    p, vp, ap = evaluate(drive.path, drive.h, s, 1)
-    top = ((x, p, z), (vx, vp, vz), (ax, ap, az))
+    top = top_in_space(drive, elapsed)
     swing = swing_of(drive.frame, y)
     turning = turning_of(y, swing, rates[1], rates[5])
     f, _, _, _ = moving_forces_in_space(parts, c, top, drive.time + elapsed, swing, y[2], y[3], turning, rates[3], slack)

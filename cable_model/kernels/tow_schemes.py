@@ -45,13 +45,19 @@ class Drive(NamedTuple):
 
 
 @kernel
+def top_in_plane(drive, elapsed):
+    """The top's x, x', x'', y, y', y'', y down."""
+    x, vx, ax = evaluate(drive.path, drive.h, elapsed / drive.h, 0)
+    z, vz, az = evaluate(drive.path, drive.h, elapsed / drive.h, 2)
+    return x, vx, ax, -z, -vz, -az
+
+
+@kernel
 def derivative_in_plane(space, parts, c, drive, elapsed, y, slack):
     """Rates of y = (phi, phi', u, u'); NaN where the cable has shrunk to nothing or y has run away."""
     if not (abs(y[0]) < 1e6 and abs(y[1]) < 1e12 and c.length + y[2] > 1e-6 * c.length and y[2] < 1e12 and abs(y[3]) < 1e12):
         return (math.nan, math.nan, math.nan, math.nan)
-    x, vx, ax = evaluate(drive.path, drive.h, elapsed / drive.h, 0)
-    z, vz, az = evaluate(drive.path, drive.h, elapsed / drive.h, 2)
-    phi_rate, u_rate = accelerations(parts, c, (x, vx, ax, -z, -vz, -az), drive.time + elapsed, y, slack)
+    phi_rate, u_rate = accelerations(parts, c, top_in_plane(drive, elapsed), drive.time + elapsed, y, slack)
     return (y[1], phi_rate, y[3], u_rate)
 
 

@@ -190,16 +190,22 @@ def turning_and_stretching(parts, c, top, time, swing, u, ud, slack):
 
 
 @kernel
+def top_in_space(drive, elapsed):
+    """Position, velocity and acceleration of the top."""
+    s = elapsed / drive.h
+    x, vx, ax = evaluate(drive.path, drive.h, s, 0)
+    y, vy, ay = evaluate(drive.path, drive.h, s, 1)
+    z, vz, az = evaluate(drive.path, drive.h, s, 2)
+    return (x, y, z), (vx, vy, vz), (ax, ay, az)
+
+
+@kernel
 def derivative_in_space(space, parts, c, drive, elapsed, y, slack):
     """Rates of y = (xi_1, xi_1', u, u', xi_2, xi_2'); NaN where the cable has shrunk to nothing, turned round or run away."""
     wild = not (abs(y[0]) + abs(y[4]) < 2.5 and abs(y[1]) + abs(y[5]) < 1e12)
     if wild or not (c.length + y[2] > 1e-6 * c.length and y[2] < 1e12 and abs(y[3]) < 1e12):
         return (math.nan, math.nan, math.nan, math.nan, math.nan, math.nan)
-    s = elapsed / drive.h
-    x, vx, ax = evaluate(drive.path, drive.h, s, 0)
-    z, vz, az = evaluate(drive.path, drive.h, s, 2)
-    p, vp, ap = evaluate(drive.path, drive.h, s, 1)
-    top = ((x, p, z), (vx, vp, vz), (ax, ap, az))
+    top = top_in_space(drive, elapsed)
     swing = swing_of(drive.frame, y)
     turning, stretching = turning_and_stretching(parts, c, top, drive.time + elapsed, swing, y[2], y[3], slack)
     first, second = chart_accelerations(y, swing, turning)
