@@ -219,7 +219,7 @@ def check(
     An FMU knows its inputs at the starts of its communication steps only. Against a run with prescribed motion, the check says what that
     costs: it simulates the FMU again with shorter steps.
     """
-    from cable_model.fmu_check import divided, recorded_motion, rows_of_inputs, sampled_motion, simulate_fmu
+    from cable_model.fmu_check import coarsened, divided, recorded_motion, rows_of_inputs, sampled_motion, simulate_fmu
 
     motion: MotionLike
     check_output(reference)
@@ -244,7 +244,7 @@ def check(
     for remark in remarks(columns, result, *expected):
         say(remark)
     if not _print_differences(found):
-        finer = simulate_fmu(fmu, *divided(times, inputs, motion, FINER))[1][::FINER]
+        finer = coarsened(simulate_fmu(fmu, *divided(times, inputs, motion, FINER))[1], FINER)
         held, left = compare(columns, result, columns, finer, rtol, atol), compare(columns, finer, *expected, rtol, atol)
         say(holding(found, held, left))
         raise typer.Exit(1)

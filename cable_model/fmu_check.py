@@ -39,7 +39,8 @@ class _Opened:
         if not zipfile.is_zipfile(fmu):
             raise _refused(fmu, "it is no zip file, or a part of one")
         try:
-            description = fmpy.read_model_description(str(fmu))
+            with fmu.open("rb") as file:  # fmpy leaves open what it opened where it fails
+                description = fmpy.read_model_description(file)
             fmpy.extract(str(fmu), folder)
         except KeyError as absent:
             raise _refused(fmu, "it has no modelDescription.xml") from absent
@@ -147,6 +148,15 @@ def divided(times: np.ndarray, inputs: np.ndarray, motion: MotionLike, parts: in
     finer = np.interp(np.arange((len(times) - 1) * parts + 1) / parts, np.arange(len(times)), times)
     given = {k * parts: row for k, row in enumerate(inputs)}
     return finer, np.array([given[k] if k in given else motion(t, 1) for k, t in enumerate(finer)])
+
+
+def coarsened(table: np.ndarray, parts: int) -> np.ndarray:
+    """The rows that were given of what `simulate_fmu` made of `divided` ones: means over a step are those of its parts."""
+    rows = table[::parts].copy()
+    for k, name in enumerate(("time", *INPUTS, *RESULTS)):
+        if name.startswith("top.force_mean_"):
+            rows[1:, k] = table[1:, k].reshape(-1, parts).mean(axis=1)
+    return rows
 
 
 def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
