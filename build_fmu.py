@@ -40,6 +40,7 @@ from fmu_src.launcher import build as launcher
 from fmu_src.model_description import epoch_of, osp_description
 from fmu_src.native import build as native_build
 from fmu_src.native.build import IDENTIFIERS
+from fmu_src.native.export import ExportError
 from fmu_src.vendoring import Vendored, vendor
 
 HERE = Path(__file__).resolve().parent
@@ -149,7 +150,7 @@ def _object_code(model: str, scene: Scene) -> tuple[bytes, Sequence[Variant]]:
     variants = variants_of(model, None if scene == generic_scene() else scene)
     try:
         return object_code(model, variants), variants
-    except RuntimeError as error:
+    except ExportError as error:
         sys.stderr.write(f"{error}\nNo object code in the FMU: numba compiles the kernels where it runs.\n")
         return b"", ()
 
@@ -244,7 +245,7 @@ def main(
             results = trial.simulate({path.stem: path for path in made[: len(MODELS)]}, simulate, Path("results"))
             console.print(summary(results))
             typer.echo("CSV files and a picture are in results/")
-    except (ParameterError, SolverError) as error:
+    except (ParameterError, SolverError, ExportError) as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(2) from None
     except OSError as error:

@@ -93,6 +93,10 @@ impossible:
 """
 
 
+class ExportError(RuntimeError):
+    """The kernels could not be compiled to object code; the text says why."""
+
+
 def _parts(variant: Variant) -> Any:
     """A jitted function of (present, current, waves) that makes the parts of a variant."""
     from numba import njit
@@ -259,7 +263,7 @@ def _optimized(modules: Sequence[bytes]) -> bytes:
 def export(model: str, variants: Sequence[Variant]) -> bytes:
     """Object code of the entries kernel_0, kernel_1, ... of a model's variants, each compiled in a process of its own.
 
-    Raises RuntimeError with a process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
+    Raises ExportError with a process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
     """
     from cable_model.kernels.jit import source_hash
 
@@ -278,9 +282,9 @@ def _bitcode(request: Mapping[str, Any]) -> bytes:
             timeout=LONGEST,
         )  # fmt: skip
     except subprocess.TimeoutExpired as error:
-        raise RuntimeError(f"the export of the kernels took longer than {LONGEST} s") from error
+        raise ExportError(f"the export of the kernels took longer than {LONGEST} s") from error
     if done.returncode != 0:
-        raise RuntimeError(f"the export of the kernels failed:\n{done.stderr.decode()}")
+        raise ExportError(f"the export of the kernels failed:\n{done.stderr.decode()}")
     return done.stdout
 
 

@@ -59,7 +59,7 @@ def _alone(lock: Path) -> Iterator[None]:
 def object_code(model: str, variants: Sequence[Variant]) -> bytes:
     """Entries kernel_0, kernel_1, ... of the variants as an object file; kept in the user's cache by the content of all that makes it.
 
-    Raises RuntimeError where the export fails.
+    Raises ExportError where the export fails.
     """
     import llvmlite
     import numba

@@ -4,8 +4,6 @@ A part of numba's type Optional(bool) answers `part is None` at run time, with t
 bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice `by_presence`.
 """
 
-import functools
-
 from numba import njit, types
 from numba.core import codegen
 from numba.core.imputils import impl_ret_borrowed
@@ -16,14 +14,8 @@ from cable_model.kernels import jit
 
 
 def kernel(function):
-    """Compile `function` as jit.kernel does, without a cache: no code for another machine can get into the export."""
-    return njit(error_model="numpy")(function)
-
-
-@functools.cache
-def inner_options():
-    """As jit.inner_options, for what is compiled by `kernel`."""
-    return {"error_model": "numpy"}
+    """Compile `function` for other kernels only, without a cache: no code for another machine can get into the export."""
+    return njit(**jit.inner_options())(function)
 
 
 def by_presence(absent, present):
@@ -37,7 +29,7 @@ def by_presence(absent, present):
             return absent(None, *args)
         return present(True, *args)
 
-    @overload(choose, strict=False)
+    @overload(choose, strict=False, jit_options=jit.inner_options())
     def _compiled(part, *args):
         if isinstance(part, types.Optional):
             return either
@@ -76,7 +68,6 @@ class _NeverRun(codegen.JITCodeLibrary):
 def take_over() -> None:
     """Let the kernels, which must not be imported yet, be compiled by this file's functions, and to LLVM code only."""
     jit.kernel = jit.views = kernel
-    jit.inner_options = inner_options
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence
