@@ -23,22 +23,27 @@ SAME_BOTTOM = 0.01  # of the depth
 FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
 
 
-def forcing(scene: Any, axes: str = "xyz") -> float:
-    """The highest angular frequency of the top's sinusoids along some axes, and of the waves that are felt, rad/s; 0 without any."""
+def shaking(scene: Any, axes: str = "xyz") -> float:
+    """The highest angular frequency of the top's sinusoids along some axes, rad/s; 0 without any."""
     moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
-    found = [part.angular_frequency for part in moving]
+    return max((part.angular_frequency for part in moving), default=0.0)
+
+
+def forcing(scene: Any, axes: str = "xyz") -> float:
+    """The same, and of the waves that are felt."""
+    found = [shaking(scene, axes)]
     rows = tables.waves(scene) if is_on(BY_NAME["waves"], scene, CHAIN) else None
     if rows is not None:
         rows = rows[np.argsort(rows[:, 1])]
         variance = np.cumsum((rows[:, 0] * rows[:, 1]) ** 2)
         found.append(float(rows[np.searchsorted(variance, FELT * variance[-1]), 1]))
-    return max(found, default=0.0)
+    return max(found)
 
 
 def before_the_run(scene: Any) -> Iterator[str]:
-    """What a scene alone makes doubtful."""
+    """What a scene alone makes doubtful; the kernels look at waves and steps."""
     yield from _two_bottoms(scene)
-    step, omega = min(scene.solver.time_step, scene.run.output_step), forcing(scene)
+    step, omega = min(scene.solver.time_step, scene.run.output_step), shaking(scene)
     if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
         period = 2.0 * math.pi / omega
         yield (
@@ -105,6 +110,14 @@ SEEN = (
     "wave = %.3g m high, %.4g m long: beyond 0.142 of its length a wave breaks. Check amplitude and period of the waves.",
     "ringing of the force = %.2g of its size, fed by the exchange with the host at %.3g 1/s: force and motion are exchanged too seldom for "
     "the host's mass, and what comes out is wrong. Give shorter communication steps, a heavier host, or one that repeats its steps.",
+    "top starts at %.3g m/s along a cable that is still at rest: a blow of some %.3g N. "
+    "Give a motion that fades in, or begins at the turn of a swing.",
+    "drag and weight across the cable = a sag of %.3g m in %.4g m: a straight cable takes its force and its lower end elsewhere. "
+    "Check against CableChain, or use it.",
+    "waves = %.3g m high over still water, the lower end at z = %.3g m: it is as wet as in still water, as waves do not move the surface. "
+    'Set waves.surface = "cut" or "wheeler" in a scene, and bake it in for an FMU.',
+    "internal step = %.3g s under waves of %.3g s: fewer than twenty steps a period leave their phase and forces wrong. "
+    "Set solver.time_step to a twentieth of it, or solver.tolerance.",
 )
 
 

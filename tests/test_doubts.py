@@ -282,6 +282,78 @@ def test_slivers_at_the_surface_leave_no_doubt():
     assert not model.warnings()
 
 
+@pytest.mark.parametrize(("order", "step", "doubtful"), [(1, 0.4, True), (1, 0.05, False), (2, 0.6, True), (2, 0.2, False), (1, 0.6, True)])
+def test_inputs_that_kick_a_heavy_body_on_a_light_rope_are_told(order: int, step: float, doubtful: bool):
+    """20 m of 0.25 kg/m and EA = 5 MN under 6 t: sqrt(EA m) sees nothing, the spring of the rope gives 1.8 to 11 times the force."""
+    values = {"cable.length": 20.0, "cable.mass_per_length": 0.25, "cable.axial_stiffness": 5e6, "body.mass": 6000.0}
+    scene, _ = heaving(0.0, {**values, "solver.time_step": 0.05}, order)
+    heave = swing((0.0, 0.0, 0.5), 0.25 * math.pi, ramp_time=16.0)
+    texts = all_told(scene, lambda time: np.append(heave(time), 0.0), step, round(80.0 / step))
+    assert [text.partition(" = ")[0] for text in texts] == ["motion led on from input to input"] * doubtful
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("inputs_at", [0, 1])
+def test_a_smooth_move_from_rest_leaves_no_doubt(order: int, inputs_at: int):
+    """A quintic of 5 m in 8 s; and a top at rest whose acceleration is rounding."""
+
+    def lowered(time: float) -> np.ndarray:
+        s = min(max((time - 2.0) / 8.0, 0.0), 1.0)
+        place, speed = s**3 * (10.0 - 15.0 * s + 6.0 * s**2), 30.0 * s**2 * (1.0 - s) ** 2 / 8.0
+        rate = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / 64.0
+        return np.array([0.0, 0.0, -5.0 * place, 0.0, 0.0, -5.0 * speed, 0.0, 0.0, -5.0 * rate, 0.0])
+
+    scene, still = heaving(0.0, {"top.inputs_at": inputs_at}, order)
+    assert not all_told(scene, lowered, 0.05, 240)
+    assert not all_told(scene, lambda time: still(time) + 1e-12 * ACCELERATION * math.sin(7.0 * time), 0.05, 60)
+
+
+def test_a_start_with_speed_along_a_cable_at_rest_is_told():
+    """1 m/s: a mass of 150 kg on a spring of 10 kN/m gives sqrt(k m) v = 1.2 kN, over 1.5 kN of weight."""
+    scene, inputs = heaving(1.0 / OMEGA)
+    (text,) = all_told(scene, inputs, steps=1, kind=CableChain)
+    assert text.startswith("top starts at 1 m/s along a cable that is still at rest: a blow of some 1.22e+03 N. ")
+    assert not all_told(scene, lambda time: inputs(time + 1.25), steps=1, kind=CableChain)
+    assert not all_told(*heaving(0.1 / OMEGA), steps=1, kind=CableChain)
+    assert not all_told(scene, lambda time: np.array([time, 0.0, 0.0, 1.0, *[0.0] * 6]), steps=1, kind=CableChain)  # across it
+    assert not all_told(scene, inputs, steps=1)  # the straight cable moves with its top
+
+
+@pytest.mark.parametrize(("speed", "doubtful"), [(0.4, False), (2.0, True)])
+def test_a_straight_cable_that_a_current_bends_is_told(speed: float, doubtful: bool):
+    """The load across over 8 T: 0.6 rho d C_D u^2 L/(8 W) of the length."""
+    values = {
+        "water.density": 1025.0,
+        "cable.normal_drag_coefficient": 1.2,
+        "current.speed": speed,
+        "body.mass": 600.0,
+        "cable.length": 400.0,
+    }
+    scene, _ = heaving(0.0, values)
+    texts = all_told(scene, lambda time: np.array([0.0, 0.0, -5.0, *[0.0] * 7]), steps=1)
+    assert [text.partition(" = ")[0] for text in texts] == ["drag and weight across the cable"] * doubtful
+
+
+@pytest.mark.parametrize("kind", [CableChain, TowCable])
+def test_a_lower_end_among_waves_that_move_no_surface_is_told(kind: type[Model]):
+    values = {"water.density": 1025.0, "waves.amplitude": 2.0, "waves.period": 8.0, "body.volume": 0.01}
+    scene, still = heaving(0.0, values)
+    (text,) = all_told(scene, moved(still, z=100.7), steps=1, kind=kind)
+    assert re.match(r"waves = 2 m high over still water, the lower end at z = 0\.[67]\d* m: ", text)
+    assert not all_told(scene, moved(still, z=97.0), steps=1, kind=kind)
+    if kind is CableChain:
+        assert not all_told(with_values(scene, {"waves.surface": "cut"}), moved(still, z=100.7), steps=1, kind=kind)
+
+
+@pytest.mark.parametrize("kind", [CableChain, TowCable])
+def test_an_internal_step_too_long_for_the_waves_is_told_by_the_kernels(kind: type[Model]):
+    values = {"water.density": 1025.0, "waves.amplitude": 0.5, "waves.period": 4.0, "solver.time_step": 1.0}
+    scene, still = heaving(0.0, values)
+    steps = [[text for text in all_told(scene, moved(still, z=-20.0), h, 2, kind) if "cells" not in text] for h in (1.0, 0.1)]
+    assert steps[0][0].startswith("internal step = 1 s under waves of 4 s: ")
+    assert [len(texts) for texts in steps] == [1, 0]
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_velocities_that_do_not_go_with_the_positions_are_told(order: int):
     scene, inputs = heaving(1.0, order=order)

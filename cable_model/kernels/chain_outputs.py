@@ -12,8 +12,8 @@ from cable_model.kernels.layout import cut, led_on, top_at
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding
-from cable_model.kernels.vector import axpy
-from cable_model.kernels.watch import watch_outputs
+from cable_model.kernels.vector import axpy, dot
+from cable_model.kernels.watch import watch_outputs, watch_set_off
 
 
 @kernel
@@ -78,6 +78,7 @@ def outputs(parts, p, state, work, out):
     out[17] = state[header.REJECTED]
     tell_exchange(state, out)
     watch_outputs(parts, p, state, out)
+    watch_set_off(parts, p, state, dot(top_at(parts, state, 3), t), out)
 
 
 @kernel

@@ -35,9 +35,9 @@ LAG_BEFORE = 62  # LAG of the internal step before
 EXCHANGE = 63  # 63..81: what exchange.py keeps
 RINGING = 82  # 82..170: what ringing.py keeps
 DOUBTS = 171  # how many kinds of doubt watch.py has seen
-DOUBT = 172  # 172..203: a pair of numbers for each kind, 0 until it is seen
-WATCH = 204  # 204..225: what watch.py keeps
-HEADER = 226
+DOUBT = 172  # 172..207: a pair of numbers for each kind, 0 until it is seen
+WATCH = 208  # 208..230: what watch.py keeps
+HEADER = 231
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -29,7 +29,6 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.pending import is_short, wait
-from cable_model.kernels.problem import total_weight
 from cable_model.kernels.top import PATH, ROWS, arrival, leaves_plane, quintic, winch_turns
 from cable_model.kernels.tow import (
     ANGLE,
@@ -357,4 +356,4 @@ def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     _outputs(parts.space, parts, p, state, work, out)
     watch_outputs(parts, p, state, out)
-    watch_straight(parts, p, state, out[13], total_weight(parts, p))
+    watch_straight(parts, p, state, out)

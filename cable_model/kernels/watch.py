@@ -6,14 +6,16 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 
 import math
 
-from cable_model.kernels.fluid import flows
+from cable_model.kernels.fluid import current_velocity, flows
 from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import NEUTRAL, is_neutral
+from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
 from cable_model.kernels.top import horizon
-from cable_model.kernels.waves import AMPLITUDE, DEPTH, NUMBER
+from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub
+from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
+BLOW, BENT, PASSED, WAVES_COARSE = range(14, 18)
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s
@@ -25,6 +27,7 @@ SPEEDS = WATCH + 18  # squares of its velocity, summed over that time, m2/s
 RATES = WATCH + 19  # and of its acceleration, m2/s3
 MISSING = WATCH + 20  # time in which what was led on missed the inputs by more than KICK
 SIDEWAYS = WATCH + 21  # as SPEEDS, across the cable of the tow model
+WAVES_SEEN = WATCH + 22  # whether the waves have been held against the internal step
 
 GRAVITY = 9.81  # m/s2, the scale of what ships and cranes do to a cable
 SOON = 5.0  # m/s, at which a top may set off that has stood still
@@ -38,6 +41,8 @@ KICK = 0.2  # of the motion's own inertia
 FEWEST_STEPS = 20.0  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 PERIODS = 2.0  # that a motion must have lasted to have a frequency
 PUSHED = 1e-3  # of the weight
+LARGEST_SAG = 0.03  # of the length: the ends of a cable with it lean 7 degrees to either side of the straight line between them
+FELT = 0.95  # of the variance of the waves' velocity: what the shortest waves add beyond it does not count
 BREAKING = 0.142 * math.pi  # of amplitude times wave number: Michell's limit, height over length, which no wave in deep water exceeds
 LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
 
@@ -113,8 +118,8 @@ def watch_inputs(order, p, state, inputs, step):
 def _watch_motion(order, p, state, inputs, step):
     """The motion that was led on to these inputs: its frequency against the internal step, and by how much it missed them.
 
-    A velocity that is missed by dv, and caught up with within a step, sends a wave of sqrt(EA m) dv through the cable, or moves all of it
-    by force: whichever is less.
+    A velocity that is missed by dv, and caught up with within a step of h, sends a wave of sqrt(EA m) dv through the cable, or stretches
+    all of it by what it is behind, h dv/8 on average, whichever is more; but no more than what moves all of its mass.
     """
     speed = 0.0
     rate = 0.0
@@ -136,7 +141,8 @@ def _watch_motion(order, p, state, inputs, step):
     moving = state[MOVING]
     mass = p[0].cable.mass_per_length * p[0].cable.length + p[0].body.mass + max(p[0].body.added_mass, 0.0)
     impedance = math.sqrt(p[0].cable.axial_stiffness * p[0].cable.mass_per_length)
-    kick = min(impedance, mass / whole) * math.sqrt(missed)
+    stretched = p[0].cable.axial_stiffness / p[0].cable.length * whole / 8.0
+    kick = min(max(impedance, stretched), mass / whole) * math.sqrt(missed)
     inertia = mass * math.sqrt(state[RATES] / moving)
     if p[0].top.inputs_at == 0.0 and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
         state[MISSING] += before
@@ -145,7 +151,8 @@ def _watch_motion(order, p, state, inputs, step):
             note(state, KICKED, kick, inertia)
     if state[RATES] > 0.0 and p[0].solver.tolerance == 0.0:
         period = 2.0 * math.pi * math.sqrt(state[SPEEDS] / state[RATES])
-        if moving > PERIODS * period and FEWEST_STEPS * state[STEP] > period:
+        matters = state[RATES] / moving > (FEWEST * GRAVITY) ** 2 and moving > SEVERAL * max(before, step)
+        if matters and moving > PERIODS * period and FEWEST_STEPS * state[STEP] > period:
             note(state, COARSE, state[STEP], period)
 
 
@@ -182,11 +189,68 @@ def _watch_waves(waves, state):
 
 
 @kernel
+def _watch_wave_steps(waves, p, state):
+    """The waves that matter, against the first internal step."""
+    if waves is None or state[WAVES_SEEN] > 0.0 or p[0].solver.tolerance > 0.0:
+        return
+    state[WAVES_SEEN] = 1.0
+    variance = 0.0
+    for j in range(waves.shape[0]):
+        variance += (waves[j, AMPLITUDE] * waves[j, FREQUENCY]) ** 2
+    fastest = 0.0
+    for j in range(waves.shape[0]):
+        slower = 0.0
+        for i in range(waves.shape[0]):
+            if waves[i, FREQUENCY] < waves[j, FREQUENCY]:
+                slower += (waves[i, AMPLITUDE] * waves[i, FREQUENCY]) ** 2
+        if slower < FELT * variance:
+            fastest = max(fastest, waves[j, FREQUENCY])
+    if FEWEST_STEPS * state[STEP] * fastest > 2.0 * math.pi:
+        note(state, WAVES_COARSE, state[STEP], 2.0 * math.pi / fastest)
+
+
+@kernel
+def _rise(waves):
+    """How far waves lift the water: the amplitude of one, half of the significant height of many."""
+    if waves is None:
+        return 0.0
+    square = 0.0
+    for j in range(waves.shape[0]):
+        square += waves[j, AMPLITUDE] ** 2
+    return math.sqrt(square)
+
+
+@kernel
+def _watch_level(parts, state, lower_z):
+    """Waves that are held do not move the surface: a lower end among them comes out of the water, and does not here."""
+    if parts.surface is None or parts.stretched is not None or parts.cut is not None:
+        return
+    rise = _rise(parts.waves)
+    if abs(lower_z) < rise:
+        note(state, PASSED, rise, lower_z)
+
+
+@kernel
+def watch_set_off(parts, p, state, along, outputs):
+    """A top whose speed `along` the cable, m/s, is not 0 when the cable is still at rest."""
+    cable = p[0].cable
+    mass = cable.mass_per_length * cable.length
+    if parts.anchor is None:
+        mass += p[0].body.mass + max(p[0].body.added_mass, 0.0)
+    blow = math.sqrt(cable.axial_stiffness / cable.length * mass) * abs(along)
+    if state[STEPS] == 0.0 and state[PENDING] == 0.0 and blow > KICK * max(outputs[12], mass * GRAVITY):
+        note(state, BLOW, along, blow)
+
+
+@kernel
 def watch_outputs(parts, p, state, outputs):
     """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
         _watch_waves(parts.waves, state)
+    else:
+        _watch_wave_steps(parts.waves, p, state)
+    _watch_level(parts, state, outputs[7])
     begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
     allowed = (EMERGED if begun else TOUCHED) * p[0].cable.length  # where a run starts above the water, it is meant to
     lower_z = outputs[7]
@@ -201,15 +265,42 @@ def watch_outputs(parts, p, state, outputs):
 
 
 @kernel
-def watch_straight(parts, p, state, lowest, force):
+def _sag(parts, p, state, outputs):
+    """Of a cable that was not straight, as a share of its length: what drag and weight put across it, over 8 times its tension."""
+    top = (state[TOP], state[TOP + 1], state[TOP + 2])
+    low = (outputs[5], outputs[6], outputs[7])
+    middle = mix(0.5, top, 0.5, low)
+    if parts.surface is not None and middle[2] > 0.0:
+        return 0.0
+    t = sub(top, low)
+    t = scale(1.0 / norm(t), t)
+    flow, _ = current_velocity(parts.current, middle)
+    u = sub(flow, mix(0.5, (state[TOP + 3], state[TOP + 4], state[TOP + 5]), 0.5, (outputs[8], outputs[9], outputs[10])))
+    across = axpy(-dot(u, t), t, u)
+    cable = cable_part(parts.water, p)
+    load = scale(0.5 * p[0].water.density * p[0].cable.normal_drag_coefficient * cable.diameter * norm(across), across)
+    load = add(load, axpy(cable.weight * t[2], t, (0.0, 0.0, -cable.weight)))
+    tension = 0.5 * (outputs[3] + outputs[11])
+    return norm(load) * cable.length / (8.0 * max(tension, PUSHED * total_weight(parts, p)))
+
+
+@kernel
+def watch_straight(parts, p, state, outputs):
     """What the tow model takes for granted: a cable that is straight, and pulls.
 
     Drag lets a top that moves to and fro across the cable be felt down to delta = sqrt(2 T/(c omega)), c = 4/(3 pi) rho C_D d v: derived,
-    and tried against a converged chain.  `force` is the scale of the tension T, and `lowest` the lowest now in the cable.
+    and tried against a converged chain.  Steady loads across it bend it too.
     """
+    force = total_weight(parts, p)
+    lowest = outputs[13]
     if lowest < -PUSHED * force:
         note(state, PRESSED, lowest, force)
-    if parts.water is None or state[SIDEWAYS] == 0.0 or state[RATES] == 0.0:
+    if parts.water is None:
+        return
+    sag = _sag(parts, p, state, outputs)
+    if sag > LARGEST_SAG and lowest > 0.0:
+        note(state, BENT, sag * p[0].cable.length, p[0].cable.length)
+    if state[SIDEWAYS] == 0.0 or state[RATES] == 0.0:
         return
     omega = math.sqrt(state[RATES] / state[SPEEDS])
     if omega * state[MOVING] < 2.0 * math.pi * PERIODS:

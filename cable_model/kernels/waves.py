@@ -83,6 +83,8 @@ def _faded(cut, waves, position, t):
     height = 0.0
     for j in range(waves.shape[0]):
         height += waves[j, AMPLITUDE]
+    if height == 0.0:
+        return 1.0, zero(position)
     s = (position[len(position) - 1] - surface) / (TAPER * height)
     if s <= 0.0:
         return 1.0, zero(position)
