@@ -116,8 +116,13 @@ def _structure(rows: Sequence[Variable]) -> Element:
     return structure
 
 
-def model_description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, description: str, tool: str) -> Element:
-    """modelDescription.xml of an FMI 2.0 co-simulation FMU with the interface `rows` and the default experiment of `scene`."""
+def model_description(
+    identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, description: str, tool: str, interpolates: bool = False
+) -> Element:
+    """modelDescription.xml of an FMI 2.0 co-simulation FMU with the interface `rows` and the default experiment of `scene`.
+
+    interpolates: whether derivatives of inputs may be set.
+    """
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0", modelName=identifier, guid=guid, description=description, author=AUTHOR, version=__version__, license="MIT",
@@ -126,8 +131,8 @@ def model_description(identifier: str, guid: str, rows: Sequence[Variable], scen
     SubElement(
         root, "CoSimulation",
         modelIdentifier=identifier, needsExecutionTool="false", canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false", canBeInstantiatedOnlyOncePerProcess="false", canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true", canSerializeFMUstate="true",
+        canInterpolateInputs=str(interpolates).lower(), canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="true", canGetAndSetFMUstate="true", canSerializeFMUstate="true",
     )  # fmt: skip
     root.append(_unit_definitions(rows))
     categories = SubElement(root, "LogCategories")

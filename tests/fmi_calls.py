@@ -88,6 +88,11 @@ class Component:
         values = (KINDS[kind] * n)()
         return self.call(f"Get{kind}", (c.c_uint * n)(*references), c.c_size_t(n), values), list(values)
 
+    def derive(self, references: list[int], orders: list[int], values: list[float]) -> int:
+        n = len(references)
+        given = ((c.c_uint * n)(*references), c.c_size_t(n), (c.c_int * n)(*orders), (c.c_double * n)(*values))
+        return self.call("SetRealInputDerivatives", *given)
+
     def initialize(self) -> int:
         return max(self.set_up(), self.call("EnterInitializationMode"), self.call("ExitInitializationMode"))
 

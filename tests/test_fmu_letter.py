@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmi_calls import DISCARD, ERROR, OK, Component, Library
+from fmi_calls import DISCARD, ERROR, OK, WARNING, Component, Library
 from fmu_support import Fmu
 from native_support import only_where_they_run
 
@@ -186,8 +186,7 @@ def test_no_instance_is_an_error(library: Library):
 
 def test_what_the_capability_flags_leave_out_is_an_error_and_no_status_is_pending(new):
     component, nothing = new(), ctypes.c_size_t(0)
-    for name in ("SetRealInputDerivatives", "GetRealOutputDerivatives"):
-        assert component.call(name, None, nothing, None, None) == ERROR
+    assert component.call("GetRealOutputDerivatives", None, nothing, None, None) == ERROR
     assert component.call("GetDirectionalDerivative", None, nothing, None, nothing, None, None) == ERROR
     value, flag = ctypes.c_double(np.nan), ctypes.c_int(7)
     for name in ("GetStatus", "GetIntegerStatus", "GetStringStatus"):
@@ -197,6 +196,34 @@ def test_what_the_capability_flags_leave_out_is_an_error_and_no_status_is_pendin
     assert (component.call("GetRealStatus", 2, ctypes.byref(value)), value.value) == (OK, 0.25)
     assert (component.call("GetBooleanStatus", 3, ctypes.byref(flag)), flag.value) == (OK, 0)
     assert component.call("GetRealStatus", 2, None) == component.call("GetBooleanStatus", 3, None) == ERROR
+
+
+def test_derivatives_of_inputs_are_the_inputs_that_they_name(fmu: Fmu, new):
+    """Native FMUs take them; a host that sets those of all its inputs is told once which are not followed."""
+    if not fmu.description.coSimulation.canInterpolateInputs:
+        assert new().derive([PLACE["top.x"]], [1], [1.0]) == ERROR
+        return
+    given, derived = new(), new()
+    velocity, acceleration = ([PLACE[f"top.{kind}{axis}"] for axis in "xyz"] for kind in "va")
+    position = [PLACE[f"top.{axis}"] for axis in "xyz"]
+    for component in (given, derived):
+        component.set("Integer", [PLACE["top.motion_order"]], [2])
+    given.set("Real", [*velocity, *acceleration], [1.0, 0.0, 0.2, 0.1, 0.0, -0.3])
+    assert derived.derive([*position, *velocity], [1] * 6, [1.0, 0.0, 0.2, 0.1, 0.0, -0.3]) == OK
+    for component in (given, derived):
+        component.initialize()
+        component.step(0.0, 0.1)
+    assert derived.get("Real", [TENSION]) == given.get("Real", [TENSION])
+    assert derived.derive(position, [2] * 3, [0.5, 0.0, 0.0]) == OK
+    assert derived.get("Real", acceleration) == (OK, [0.5, 0.0, 0.0])
+    assert [derived.derive([PLACE["top.ax"]], [1], [1.0]) for _ in range(3)] == [WARNING] * 3
+    assert derived.derive([PLACE["winch.speed"]], [1], [1.0]) == derived.derive(position[:1], [3], [1.0]) == WARNING
+    assert [text for text in derived.texts if "not followed" in text] == [
+        "derivative of order 1 of top.ax = not followed: top.motion_order = 2 says how much of the motion is. "
+        "Set top.motion_order, or leave that derivative out."
+    ]
+    assert derived.derive(position[:1], [0], [1.0]) == derived.derive(position[:1], [1], [float("nan")]) == ERROR
+    assert derived.derive([TENSION], [1], [1.0]) == derived.derive([2**31], [1], [1.0]) == ERROR
 
 
 # -- instantiation

@@ -12,13 +12,6 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
     return absent(c, "fmi2GetDirectionalDerivative");
 }
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
-                                       const fmi2Real value[])
-{
-    (void)vr, (void)n, (void)order, (void)value;
-    return absent(c, "fmi2SetRealInputDerivatives");
-}
-
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
                                         fmi2Real value[])
 {

@@ -75,7 +75,7 @@ def _guid(*facts: str | bytes) -> str:
 
 def _description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, model: str) -> bytes:
     text = f"{MODELS[model].__name__}: cable under a moving top end. {scene.title}".strip()
-    root = model_description(identifier, guid, rows, scene, text, f"cable_fmu {__version__}, native")
+    root = model_description(identifier, guid, rows, scene, text, f"cable_fmu {__version__}, native", interpolates=True)
     for capabilities in root.iter("CoSimulation"):
         capabilities.set("canNotUseMemoryManagementFunctions", "false")
     return _xml(root)

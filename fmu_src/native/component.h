@@ -27,6 +27,7 @@ typedef struct {
     double *state, *work;
     char active[1024];
     unsigned told; /* a bit for each kind of doubt */
+    int unused; /* whether a derivative that nothing follows has been told */
 } Instance;
 
 /* -- errors and memory */

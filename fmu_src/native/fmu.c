@@ -23,6 +23,7 @@ fmi2Status fmi2Reset(fmi2Component c)
         return fmi2Error;
     memset(&m->core, 0, sizeof m->core);
     m->told = 0;
+    m->unused = 0;
     for (int vr = 0; vr < N_VARIABLES; vr++)
         m->core.values[vr] = variables[vr].start;
     return fmi2OK;

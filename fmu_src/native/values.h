@@ -118,3 +118,44 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
             return fmi2Error;
     return fmi2OK;
 }
+
+/* The input that is the derivative of another one's, as a velocity of a position; none: N_INPUTS.  The first nine inputs are the top's
+   position, velocity and acceleration. */
+static fmi2ValueReference derivative_of(const Instance *m, fmi2ValueReference vr, fmi2Integer order)
+{
+    fmi2ValueReference level = vr / 3 + (fmi2ValueReference)order;
+    return vr < 9 && level <= (fmi2ValueReference)m->core.values[MOTION_ORDER] ? vr + 3 * (fmi2ValueReference)order : N_INPUTS;
+}
+
+/* Derivatives of inputs are inputs themselves.  One that nothing follows is said once, as a warning: hosts give those of all inputs. */
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                       const fmi2Real value[])
+{
+    Instance *m = c;
+    fmi2Status status = fmi2OK;
+    if (handed(m, vr, n, value) != fmi2OK || handed(m, vr, n, order) != fmi2OK)
+        return fmi2Error;
+    for (size_t k = 0; k < n; k++) {
+        if (may_set(m, vr[k], 'R', value[k]) != fmi2OK)
+            return fmi2Error;
+        if (variables[vr[k]].causality != 'i')
+            return fail(m, "derivative of %s: must be that of an input. Set parameters themselves.", variables[vr[k]].name);
+        if (order[k] < 1)
+            return fail(m, "order of the derivative of %s = %d: must be 1 or more. Set values themselves by fmi2SetReal.",
+                        variables[vr[k]].name, order[k]);
+    }
+    for (size_t k = 0; k < n; k++) {
+        fmi2ValueReference to = order[k] <= 2 ? derivative_of(m, vr[k], order[k]) : N_INPUTS;
+        if (to < N_INPUTS) {
+            m->core.values[to] = value[k];
+            continue;
+        }
+        status = fmi2Warning;
+        if (!m->unused)
+            say(&m->log, fmi2Warning, "derivative of order %d of %s = not followed: top.motion_order = %d says how much of the motion is. "
+                "Set top.motion_order, or leave that derivative out.", order[k], variables[vr[k]].name, (int)m->core.values[MOTION_ORDER]);
+        m->unused = 1;
+    }
+    m->core.outdated = 1.0;
+    return status;
+}
