@@ -365,3 +365,10 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
 static const Log *log_of(fmi2Component c) { return &((const Launched *)c)->log; }
 
 #include "absent.h"
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
+                                       const fmi2Real value[])
+{
+    (void)vr, (void)n, (void)order, (void)value;
+    return absent(c, "fmi2SetRealInputDerivatives");
+}
