@@ -18,6 +18,7 @@ from cable_model.kernels.exchange import TOLD
 from cable_model.kernels.header import AUDIT, LAG, STEPS
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes
+from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed_audit import bed_in_step
 from cable_model.kernels.staggered import FADING
 from cable_model.kernels.staggered_audit import change_of_momentum, pull_of_anchor, stored, taken_by_damping, water_in_step
@@ -41,6 +42,8 @@ LACKING = AUDIT + 19  # squares of the force that lacks, over that time, N2 s
 ACTING = AUDIT + 20  # and of FORCES
 STORED = AUDIT + 21  # energy now, J
 
+NOTHING = 1e-6  # of weight times length: less energy counts as none that is exchanged
+
 
 @kernel
 def _no_account(audit, parts, problem, view, state, top):
@@ -51,6 +54,7 @@ def _no_account(audit, parts, problem, view, state, top):
 def _open(audit, parts, problem, view, state, top):
     state[START], state[START + 1], state[START + 2] = stored(parts, problem, view.mesh, view.y, top)
     state[STORED] = state[START] + state[START + 1] + state[START + 2]
+    state[EXCHANGED] = NOTHING * total_weight(parts, problem.numbers) * problem.cable.length
 
 
 open_audit = by_presence(_no_account, _open)  # at the start, with the cable in place and the top's velocity in the state
