@@ -89,7 +89,8 @@ def summary(results: dict[str, Result]) -> Table:
         ("internal steps / Newton iterations / rejected", lambda r: " / ".join(f"{r[c][-1]:.0f}" for c in _COUNTERS)),
     ]
     if any(r.audit is not None for r in results.values()):
-        rows += [("audit: largest energy missing (J), of that exchanged", _energy), ("audit: force missing, rms (N), of those acting", _force)]
+        rows.append(("audit: largest energy missing (J), of that exchanged", _energy))
+        rows.append(("audit: force missing, rms (N), of those acting", _force))
     for label in results:
         table.add_column(label, justify="right")
     for name, value in rows:

@@ -210,8 +210,10 @@ def _wet_cell(water, parts, p, h, split, q, low, up, v_low, v_up, a_low, a_up, t
     u = mix(0.5, u_low, 0.5, u_up)
     along = dot(u, t)
     normal = _across(u, t)
-    drag = 0.5 * density * cable.diameter * math.sqrt(stretch)
-    pull = mix(-drag * cable.normal_drag_coefficient * norm(normal), normal, -drag * cable.tangential_drag_coefficient * abs(along) * along, t)
+    drag = -0.5 * density * cable.diameter * math.sqrt(stretch)
+    pull = mix(
+        drag * cable.normal_drag_coefficient * norm(normal), normal, drag * cable.tangential_drag_coefficient * abs(along) * along, t
+    )
     pull = add(pull, mix(added, _across(flow_rate, t), displaced, flow_rate))
     to_low, to_up = split - COUPLED, 1.0 - split - COUPLED
     on_low = scale(wet.wet, mix(split, pull, -added, _across(mix(to_low, a_low, COUPLED, a_up), t)))
