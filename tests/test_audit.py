@@ -14,7 +14,8 @@ from cable_model.audit import Audit
 from cable_model.cable_chain import CableChain
 from cable_model.cli_console import Console
 from cable_model.errors import ParameterError
-from cable_model.kernels import audit, build, staggered, staggered_water
+from cable_model.kernels import audit, build, seabed, staggered, staggered_water
+from cable_model.motion import top_motion
 from cable_model.scene import from_dict, load, with_values
 from cable_model.signals import OUTPUTS
 from cable_model.simulation import simulate
@@ -99,12 +100,32 @@ def test_a_snap_without_damping_is_missing_less_with_shorter_steps():
     assert np.log2(coarse.energy / fine.energy) > 1.8
 
 
-def test_what_lies_on_a_seabed_and_slides_there_closes():
-    surge = at(MOORED, swing((0.15, 0.0, 0.05), 2.0, ramp_time=0.8))
-    found = [audited(MOORED, surge, h, 0.8, solver__nodes=11) for h in (0.02, 0.01)]
-    assert found[1].energy_share < 1e-3
-    assert found[1].momentum_share < 1e-4
-    assert found[0].energy / found[1].energy > 1.8
+def dragged(step: float) -> Audit:
+    """A chain dragged over the seabed; seabed and friction act at the end of a step, so what is missing falls with the step alone."""
+    scene = with_values(load("hard/dragged"), {"solver.audit": True, "solver.nodes": 11, "solver.time_step": step})
+    model, motion = CableChain(scene), top_motion(scene.top, scene.winch)
+    found = largest(model, motion, np.full(round(10.0 / step), step))
+    assert model.state[audit.BED_WORK] < -0.2 * found.exchanged
+    return found
+
+
+def test_what_is_dragged_over_a_seabed_closes():
+    coarse, fine = dragged(0.2), dragged(0.1)
+    assert fine.energy_share < 1e-3
+    assert fine.momentum_share < 1e-3
+    assert coarse.energy / fine.energy > 1.5
+
+
+def test_friction_of_half_its_size_shows(monkeypatch):
+    own = seabed.sliders.friction_of
+
+    def half(*given):
+        return tuple(tuple(0.5 * x for x in part) for part in own(*given))
+
+    monkeypatch.setattr(seabed.sliders, "friction_of", half)
+    found = dragged(0.2)
+    assert found.energy_share > 0.05
+    assert found.momentum_share > 0.01
 
 
 def test_what_goes_in_and_out_of_the_water_closes():
