@@ -194,7 +194,7 @@ EFFECTS = (
     ),
     Effect(
         "audit", "audit of energy and momentum", Given("solver.audit"), ("solver.audit",), models=(CHAIN,), grids=(STAGGERED,),
-        parameters=("solver.audit",), told_to_peers=True, left_out={"solver.audit": False},
+        parameters=("solver.audit",), native="absent", told_to_peers=True, left_out={"solver.audit": False},
         costs={"audit": {"solver.audit": True}},
     ),
 )  # fmt: skip
