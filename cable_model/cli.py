@@ -7,6 +7,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import typer
 from rich.table import Table
 from rich.text import Text
@@ -87,11 +88,25 @@ def summary(results: dict[str, Result]) -> Table:
         ("largest slack share of the length", lambda r: f"{r['cable.slack_fraction'].max():.3g}"),
         ("internal steps / Newton iterations / rejected", lambda r: " / ".join(f"{r[c][-1]:.0f}" for c in _COUNTERS)),
     ]
+    if any(r.audit is not None for r in results.values()):
+        rows.append(("audit: largest energy missing (J), of that exchanged", _energy))
+        rows.append(("audit: force missing, rms (N), of those acting", _force))
     for label in results:
         table.add_column(label, justify="right")
     for name, value in rows:
         table.add_row(name, *(value(r) for r in results.values()))
     return table
+
+
+def _energy(result: Result) -> str:
+    if result.audit is None:
+        return "-"
+    missing = float(np.abs(result["audit.energy"]).max())
+    return f"{missing:.2g}, {per_cent(missing / result.audit.exchanged)}"
+
+
+def _force(result: Result) -> str:
+    return "-" if result.audit is None else f"{result.audit.momentum:.2g}, {per_cent(result.audit.momentum_share)}"
 
 
 _COUNTERS = ("solver.steps", "solver.newton_iterations", "solver.rejected_steps")

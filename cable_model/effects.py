@@ -192,6 +192,11 @@ EFFECTS = (
     Effect(
         "as_printed", "the report's misprints", Given("tow.as_printed"), ("tow.as_printed",), models=(TOW,), parameters=("tow.as_printed",),
     ),
+    Effect(
+        "audit", "audit of energy and momentum", Given("solver.audit"), ("solver.audit",), models=(CHAIN,), grids=(STAGGERED,),
+        parameters=("solver.audit",), native="absent", told_to_peers=True, left_out={"solver.audit": False},
+        costs={"audit": {"solver.audit": True}},
+    ),
 )  # fmt: skip
 
 # numbers that are no effect's, which a model asks for in any case; `top.motion_order` is the one that kernels do not get

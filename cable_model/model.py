@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from cable_model.audit import Audit, audit_of
 from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
 from cable_model.doubts import at_the_start, before_the_run, seen
 from cable_model.errors import SolverError, refuse
@@ -101,6 +102,11 @@ class Model:
     def warnings(self) -> tuple[str, ...]:
         """What is doubtful about the run so far; none before `initialize`."""
         return (*self._at_start, *seen(self.state))
+
+    @property
+    def audit(self) -> Audit | None:
+        """Balances of energy and momentum so far; None where solver.audit does not ask for them."""
+        return None if self.parts.audit is None else audit_of(self.state)
 
     @property
     def doubts(self) -> int:

@@ -221,6 +221,7 @@ class Solver:
     slack_smoothing: float = quantity("1", "width of the slack law over the weight", default=1e-3, above=0.0, most=1.0)
     slack_damping: float = quantity("1", "axial damping of the slack law over h sqrt(EA m)", default=0.1, least=0.0, most=10.0)
     space: bool = quantity("", "whether the cable may leave the vertical plane", default=False)
+    audit: bool = quantity("", "whether the balances of energy and momentum are audited", default=False)
 
 
 @dataclass(frozen=True)

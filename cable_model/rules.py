@@ -107,6 +107,10 @@ RULES = (
     ),
     Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
     Rule(
+        On("audit") & On("winch"), "solver.audit", "false with a winch",
+        "Leave the audit out, or set winch.fitted = false.",
+    ),
+    Rule(
         Given("tow.as_printed") & SPACE, "tow.as_printed", "false in space", "The report moves in one plane: set solver.space = false."
     ),
     Rule(~SPACE & Given("current.direction"), "current.direction", *ACROSS),

@@ -17,4 +17,5 @@ OUTPUTS = (
     "solver.steps", "solver.newton_iterations", "solver.rejected_steps",
     "top.force_mean_x", "top.force_mean_y", "top.force_mean_z",
     "coupling.growth",
+    "audit.energy", "audit.momentum",
 )  # fmt: skip

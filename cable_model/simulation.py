@@ -9,6 +9,7 @@ from typing import TextIO
 
 import numpy as np
 
+from cable_model.audit import Audit
 from cable_model.driving import follow, output_steps
 from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.model import Model
@@ -20,13 +21,14 @@ from cable_model.signals import INPUTS, OUTPUTS
 class Result:
     """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
-    `warnings` say what is doubtful about it.
+    `warnings` say what is doubtful about it, `audit` how well its balances close, where it was audited.
     """
 
     columns: tuple[str, ...]
     table: np.ndarray
     shapes: np.ndarray
     warnings: tuple[str, ...] = ()
+    audit: Audit | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.table[:, self.columns.index(name)]
@@ -149,5 +151,5 @@ def simulate(
             if progress is not None:
                 progress(output.end)
     except SolverError as error:
-        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings())) from error
-    return Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings())
+        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings(), model.audit)) from error
+    return Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings(), model.audit)

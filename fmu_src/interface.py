@@ -168,6 +168,18 @@ _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
         1.0,
         _NONE,
     ),
+    "audit.energy": (
+        "J",
+        "energy that nothing explains: gained since the start, less all work, plus what damping took (needs solver.audit)",
+        1.0,
+        _NONE,
+    ),
+    "audit.momentum": (
+        "N",
+        "force that changes the momentum and is no outer one: root mean square so far (needs solver.audit)",
+        1.0,
+        _NONE,
+    ),
 }
 
 

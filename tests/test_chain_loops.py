@@ -11,7 +11,6 @@ from scipy.optimize import brentq
 
 from cable_model import scene
 from cable_model.cable_chain import CableChain
-from cable_model.hard.ledger import Ledger
 from cable_model.signals import OUTPUTS
 
 pytestmark = pytest.mark.shipped
@@ -123,6 +122,5 @@ def test_a_loop_that_is_let_go_keeps_its_energy_and_its_length(bending, span, lo
     change = (np.array(stored) - stored[0]) / (WEIGHT * LENGTH)
     assert np.max(change) < 1e-9
     assert np.min(change) > -lost
-    assert Ledger(model).stored() == pytest.approx(energy(model), abs=1e-9 * WEIGHT * LENGTH)
     assert max(arcs) < LENGTH * (1.0 + stretched)
     assert min(arcs) > LENGTH * (1.0 - stretched)

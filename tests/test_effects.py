@@ -168,7 +168,7 @@ def error(call):
         return str(refused)
     return ""
 rows = table()
-row = rows[-1]
+row = next(row for row in rows if row.name == "cable.ageing")
 rules = Rules(rows, generic_scene(), "chain")
 print(json.dumps({
     "told": one_line(scene, "chain"), "part": parts_of(scene, "chain").ageing, "leave out": sorted(leave_out(scene)),
@@ -178,7 +178,7 @@ print(json.dumps({
     "native": [GENERIC["chain"][0]["ageing"], GENERIC["tow"][0]["ageing"]], "c": rules.parts()["ageing"],
     "c tow": Rules(rows, generic_scene(), "tow").kept["cable.ageing"], "reason": [r.words for r in rules.reasons() if "ageing" in r.words],
     "number": rules.numbers()[-1] is not None and "cable.ageing" in __import__("cable_model.effects").effects.PARAMETERS,
-    "where": len(rows) - 1,
+    "where": rows.index(row),
 }))
 """
 

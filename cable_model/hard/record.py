@@ -1,4 +1,4 @@
-"""One run of a hard case: every communication step is one base step of the solver, and after each the ledger is read."""
+"""One run of a hard case: every communication step is one base step of the solver, and staggered chains are audited."""
 
 from __future__ import annotations
 
@@ -6,15 +6,13 @@ import time as clock
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.integrate import cumulative_simpson
 
 from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
-from cable_model.hard.ledger import Ledger
-from cable_model.kernels import header
+from cable_model.kernels import header, layout
 from cable_model.motion import TopMotion, top_motion
-from cable_model.scene import Scene
+from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
 
 SHAPES = 24  # snapshots kept for the picture
@@ -28,7 +26,7 @@ class Record:
     weight: float  # force scale W, N
     times: np.ndarray
     outputs: np.ndarray  # (rows, outputs)
-    excess: np.ndarray  # energy above start plus work, J; empty where no ledger was kept
+    excess: np.ndarray  # energy that no work explains, J; empty where nothing was audited
     drift: np.ndarray  # between the top as prescribed and as the lower end's velocity brings it, m
     top_error: float  # between the reported and the prescribed top, m
     arc_error: float  # between the drawn length and the sum of the stretched cells, m
@@ -57,34 +55,31 @@ class _Watch:
 
     def __init__(self, model: CableChain, motion: TopMotion) -> None:
         self.model, self.motion = model, motion
-        self.ledger = Ledger(model) if model.parts.box is None else None
-        self.stored: list[float] = []
-        self.powers: list[float] = []
+        self.now = layout.cut(model.parts, model.numbers, model.state, model._work) if model.parts.box is None else None
         self.drift: list[float] = []
         self.top_error = 0.0
         self.arc_error = 0.0
 
     def read(self, time: float) -> None:
-        if self.ledger is None:
+        now = self.now
+        if now is None:
             return
         prescribed = self.motion(time, -1)[:3]
         at = self.model.positions()
         self.top_error = max(self.top_error, float(np.abs(at[-1] - prescribed).max()))
-        now = self.ledger.now
         n = now.mesh.shape[0] + 1
         drawn = np.linalg.norm(np.diff(at, axis=0), axis=1)
         self.arc_error = max(self.arc_error, abs(float(drawn.sum() - now.mesh[:, 0] @ np.linalg.norm(now.y[: n - 1], axis=1))))
         brought = now.y[n - 1]
         own = prescribed if len(brought) == 3 else prescribed[[0, 2]]
         self.drift.append(float(np.linalg.norm(brought - own)))
-        self.stored.append(self.ledger.stored())
-        self.powers.append(self.ledger.power(self.motion(time, -1 if time > 0.0 else 1)[3:6]))
 
-    def excess(self, times: np.ndarray) -> np.ndarray:
-        if len(self.stored) < 3:
-            return np.zeros(0)
-        worked = cumulative_simpson(np.array(self.powers), x=times, initial=0.0)
-        return np.array(self.stored) - self.stored[0] - worked
+
+def _weight(scene: Scene) -> float:
+    """Force scale W, N: weights in the medium of cable and body."""
+    density = scene.water.density if scene.water is not None else 0.0
+    cable = (scene.cable.mass_per_length - density * scene.cable.displaced_area) * scene.cable.length
+    return (abs(cable) + abs(scene.body.mass - density * scene.body.volume)) * scene.environment.gravity
 
 
 def record(scene: Scene, step: float | None = None, duration: float | None = None, watch: bool = True) -> Record:
@@ -92,9 +87,9 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     step = scene.solver.time_step if step is None else step
     duration = scene.run.duration if duration is None else duration
     motion = top_motion(scene.top, scene.winch)
-    model = CableChain(scene)
+    audited = scene.solver.grid == "staggered"
+    model = CableChain(with_values(scene, {"solver.audit": audited}))
     watcher = _Watch(model, motion)
-    weight = Ledger(model).weight
     outputs = output_steps(duration, step)
     moments = set(np.linspace(0, len(outputs), SHAPES).astype(int))
     rows, shapes, times, substeps = [], [], [0.0], [0.0]
@@ -119,7 +114,9 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
         error = str(failure)
     seconds = clock.process_time() - begun
     rows = rows or [np.zeros(len(OUTPUTS))]
+    table = np.array(rows)
+    excess = table[:, OUTPUTS.index("audit.energy")] if audited and watch else np.zeros(0)
     return Record(
-        scene, weight, np.array(times[: len(rows)]), np.array(rows), watcher.excess(np.array(times[: len(rows)])), np.array(watcher.drift),
+        scene, _weight(scene), np.array(times[: len(rows)]), table, excess, np.array(watcher.drift),
         watcher.top_error, watcher.arc_error, np.array(substeps[: len(rows)]), error, seconds, shapes,
     )  # fmt: skip

@@ -43,7 +43,7 @@ def finishes(run: Record, duration: float) -> Finding:
 
 
 def keeps_energy(run: Record) -> Finding:
-    """(b) Energy never exceeds its start plus the work done on the cable by more than 1 % of W L."""
+    """(b) Energy never exceeds its start plus the work done on the cable, less what damping took, by more than 1 % of W L."""
     cable = run.scene.cable
     scale = run.weight * cable.length
     if run.weight < WEIGHTLESS * cable.mass_per_length * cable.length * run.scene.environment.gravity:

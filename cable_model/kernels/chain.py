@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 from cable_model.kernels import grid, header
+from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence, in_still_water
@@ -105,6 +106,7 @@ def set_off(parts, p, time, state, work):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
     start_clock(state, time)
+    open_audit(parts.audit, parts, problem, view, state, top)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
 
@@ -196,25 +198,26 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, le
 
 
 @kernel
-def _count_impulse(parts, problem, view, state, c, time, course, done, h):
+def _count(parts, problem, view, state, c, time, course, done, h):
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
-    before, _ = _top_on(parts, course, done)
-    after, _ = _top_on(parts, course, done + h)
+    before, slower = _top_on(parts, course, done)
+    after, faster = _top_on(parts, course, done + h)
     force = grid.mean_force(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
     gap = h - c.alpha_k * h + state[header.LAG]
-    add_averaged(state, in_axes(parts.space, force, 0.0), (0.5 - c.alpha_k) * h, gap, h, done, course.span)
+    middle = add_averaged(state, in_axes(parts.space, force, 0.0), (0.5 - c.alpha_k) * h, gap, h, done, course.span)
+    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, sub(faster, slower), middle)
 
 
 @kernel
 def _accept(parts, problem, view, state, c, time, course, done, h, tiny):
     grid.keep(parts.box, parts, problem, view, top_at(parts, state, 0), h)
-    _count_impulse(parts, problem, view, state, c, time, course, done, h)
     size = view.y.size
     y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
     if not tiny:
         for i in range(size):
             ydd[i] = (yd1[i] - yd0[i]) / h
+    _count(parts, problem, view, state, c, time, course, done, h)
     for i in range(size):
         y[i] = y1[i]
         yd[i] = yd1[i]

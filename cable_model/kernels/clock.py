@@ -12,3 +12,5 @@ def start_clock(state, time):
         state[k] = 0.0
     for k in (header.PENDING, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP):
         state[k] = 0.0
+    for k in range(header.AUDIT, header.HEADER):
+        state[k] = 0.0

@@ -6,7 +6,7 @@ the waiting finds to be wrong with it is told afterwards, over no less than an i
 communication steps is then the impulse so far, but for what is still owed.
 """
 
-from cable_model.kernels.header import DOUBTS, EXCHANGE, PENDING, STEP, STEPS
+from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, PENDING, STEP, STEPS
 from cable_model.kernels.jit import kernel
 
 IMPULSE = EXCHANGE  # of the force over the communication step, from its own internal steps, N s; three numbers, as all that follow
@@ -36,7 +36,7 @@ def add_impulse(state, force, h, done, span):
 
 @kernel
 def add_averaged(state, force, late, gap, h, done, span):
-    """The same for a force that holds `late` after the step's middle, and `gap` after that of the step before."""
+    """The same for a force that holds `late` after the step's middle, and `gap` after that of the step before; that in the middle."""
     share = late / gap if state[STEPS] > 0.0 else 0.0
     middle = (
         force[0] - share * (force[0] - state[LAST]),
@@ -46,6 +46,7 @@ def add_averaged(state, force, late, gap, h, done, span):
     add_impulse(state, middle, h, done, span)
     for k in range(3):
         state[LAST + k] = force[k]
+    return middle
 
 
 @kernel
@@ -80,7 +81,9 @@ def end_exchange(state, span, outputs):
 
 @kernel
 def tell_exchange(state, outputs):
-    """The mean force and the growth that the state has."""
+    """The mean force and the growth that the state has, and what its audit says."""
     for k in range(3):
         outputs[MEANS + k] = state[MEAN + k]
     outputs[MEANS + 3] = state[GROWTH]
+    outputs[MEANS + 4] = state[AUDIT]
+    outputs[MEANS + 5] = state[AUDIT + 1]

@@ -37,7 +37,8 @@ RINGING = 82  # 82..170: what ringing.py keeps
 DOUBTS = 171  # how many kinds of doubt watch.py has seen
 DOUBT = 172  # 172..207: a pair of numbers for each kind, 0 until it is seen
 WATCH = 208  # 208..230: what watch.py keeps
-HEADER = 231
+AUDIT = 231  # 231..252: what audit.py keeps
+HEADER = 253
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

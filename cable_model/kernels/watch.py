@@ -7,7 +7,7 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 import math
 
 from cable_model.kernels.fluid import current_velocity, flows
-from cable_model.kernels.header import DOUBT, DOUBTS, HEADER, PENDING, STEP, STEPS, TOP, WATCH
+from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
 from cable_model.kernels.top import horizon
@@ -73,7 +73,7 @@ def _apart(inputs, last, first, h, share):
 @kernel
 def watch_start(state, inputs):
     """Begin with the inputs (10,) of the initialization, after it."""
-    for k in range(DOUBTS, HEADER):
+    for k in range(DOUBTS, AUDIT):
         state[k] = 0.0
     for k in range(9):
         state[LAST + k] = inputs[k]
