@@ -134,7 +134,6 @@ BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve 
     for period in BASIN_PERIODS
 )  # fmt: skip
 
-BOX_ONLY = BOX[:1]
 HEAVED = {"kind": "sinusoid", "axis": "z", "angular_frequency": 1.2, "ramp_time": 5.0}
 FLOAT = {"body.mass": 153.75, "top.position": (0.0, 0.0, -5.25)}  # 0.5 of the water's density, on a wire from below
 BOBS = tuple(
@@ -150,7 +149,7 @@ LOWERED = (
     Variant("waves of 1.5 m, stretched"),
     Variant("waves of 3 m, stretched", {"waves.amplitude": 1.5}),
     Variant("waves of 1.5 m up to z = 0", {"waves.surface": "held"}),
-    *BOX_ONLY,
+    BOX[0],
 )
 HOSES = (
     Variant("its end moves"),
@@ -163,8 +162,11 @@ STIFF = 1e11  # N: the axial stiffness of a loop whose bending alone presses it 
 
 def loop(number: float, label: str = "", judged: bool = True, refined: bool = True, **changes: object) -> Variant:
     """A loop of EI = `number` w L^3."""
-    values = {"cable.bending_stiffness": number * UMBILICAL, **({"cable.axial_stiffness": STIFF} if number >= 1.0 else {})}
-    return Variant(f"EI {number:g} w L3{label}", {**values, **{name.replace("__", "."): value for name, value in changes.items()}}, judged, refined)
+    values: dict[str, object] = {"cable.bending_stiffness": number * UMBILICAL}
+    if number >= 1.0:
+        values["cable.axial_stiffness"] = STIFF
+    values |= {name.replace("__", "."): value for name, value in changes.items()}
+    return Variant(f"EI {number:g} w L3{label}", values, judged, refined)
 
 
 def shaken(x: float, z: float, omega: float) -> list:
@@ -178,6 +180,7 @@ def shaken(x: float, z: float, omega: float) -> list:
 LOOPS = (
     *(loop(number, top__motion=shaken(0.5, 0.2, 0.6)) for number in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 10.0)),
     *(loop(number, ", shaken hard", top__motion=shaken(1.0, 0.5, 2.0)) for number in (1e-4, 1e-2, 1.0, 10.0)),
+    # these two go slack, and bend over less than their cells
     *(loop(number, ", shaken hard", False, False, top__motion=shaken(1.0, 0.5, 2.0)) for number in (1e-8, 1e-6)),
 )
 FREE = {"lower_end__released": True}
@@ -187,8 +190,7 @@ LET_GO = (
     loop(1.0, **FREE, solver__time_step=0.0025),
     loop(10.0, **FREE, solver__time_step=0.0005, run__duration=2.0),
     loop(1e-6, ", n 401", refined=False, **FREE, solver__nodes=401),
-    loop(1e-8, "", False, False, **FREE),
-    loop(1e-8, ", n 1001", False, False, **FREE, solver__nodes=1001, solver__time_step=0.005),
+    loop(1e-8, "", False, False, **FREE),  # what it bends over is finer than its cells, which lose length as it falls slack
 )
 
 CASES = (
@@ -208,7 +210,7 @@ CASES = (
     Case("H12", "hard/slack_current", (Variant("lambda -0.5"),), chaos=TURN),
     Case("H13", "basin_chain", BASIN, check="basin"),
     Case("H14", "hard/three_hours", (Variant("lambda -0.5", refined=False),), check="drift"),
-    Case("H16", "hard/bob", (*BOBS, *BOX_ONLY), check="crossing"),
+    Case("H16", "hard/bob", (*BOBS, BOX[0]), check="crossing"),
     Case("H16 lowered", "hard/lowered", LOWERED, check="crossing"),
     Case("H16 hose", "hard/hose", HOSES, check="crossing", beam=True),
     Case("H17", "hard/loops", LOOPS, check="loops", beam=True),

@@ -50,7 +50,7 @@ class Record:
 
     @property
     def followed(self) -> np.ndarray:
-        """Path (rows, 3) that is compared with finer runs', m: of the lower end or, where that is held and cells are equal, of the middle."""
+        """Path (rows, 3) to compare with finer runs', m: of the lower end or, where that is held and cells are equal, of the middle."""
         end, solver = self.scene.lower_end, self.scene.solver
         return self.middle if end.anchored and not end.released and solver.grading == 1.0 else self.body
 
