@@ -160,37 +160,38 @@ UMBILICAL = 4.6625 * 20.0**3  # w L^3, N m2
 STIFF = 1e11  # N: the axial stiffness of a loop whose bending alone presses it by tens of kN
 
 
-def loop(number: float, label: str = "", judged: bool = True, refined: bool = True, **changes: object) -> Variant:
+def loop(number: float, changes: Changes, label: str = "", judged: bool = True, refined: bool = True) -> Variant:
     """A loop of EI = `number` w L^3."""
     values: dict[str, object] = {"cable.bending_stiffness": number * UMBILICAL}
     if number >= 1.0:
         values["cable.axial_stiffness"] = STIFF
-    values |= {name.replace("__", "."): value for name, value in changes.items()}
-    return Variant(f"EI {number:g} w L3{label}", values, judged, refined)
+    return Variant(f"EI {number:g} w L3{label}", {**values, **changes}, judged, refined)
 
 
-def shaken(x: float, z: float, omega: float) -> list:
+def shaken(x: float, z: float, omega: float) -> Changes:
     """The top's motion: x at `omega`, z at one and a half of it."""
-    return [
+    motion = [
         {"kind": "sinusoid", "axis": axis, "amplitude": amplitude, "angular_frequency": factor * omega, "ramp_time": 5.0}
         for axis, amplitude, factor in (("x", x, 1.0), ("z", z, 1.5))
     ]
+    return {"top.motion": motion}
 
 
+GENTLY, HARD = shaken(0.5, 0.2, 0.6), shaken(1.0, 0.5, 2.0)
 LOOPS = (
-    *(loop(number, top__motion=shaken(0.5, 0.2, 0.6)) for number in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 10.0)),
-    *(loop(number, ", shaken hard", top__motion=shaken(1.0, 0.5, 2.0)) for number in (1e-4, 1e-2, 1.0, 10.0)),
+    *(loop(number, GENTLY) for number in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 10.0)),
+    *(loop(number, HARD, ", shaken hard") for number in (1e-4, 1e-2, 1.0, 10.0)),
     # these two go slack, and bend over less than their cells
-    *(loop(number, ", shaken hard", False, False, top__motion=shaken(1.0, 0.5, 2.0)) for number in (1e-8, 1e-6)),
+    *(loop(number, HARD, ", shaken hard", judged=False, refined=False) for number in (1e-8, 1e-6)),
 )
-FREE = {"lower_end__released": True}
+FREE = {"lower_end.released": True}
 LET_GO = (
-    loop(1e-4, **FREE),
-    loop(1e-2, **FREE),
-    loop(1.0, **FREE, solver__time_step=0.0025),
-    loop(10.0, **FREE, solver__time_step=0.0005, run__duration=2.0),
-    loop(1e-6, ", n 401", refined=False, **FREE, solver__nodes=401),
-    loop(1e-8, "", False, False, **FREE),  # what it bends over is finer than its cells, which lose length as it falls slack
+    loop(1e-4, FREE),
+    loop(1e-2, FREE),
+    loop(1.0, {**FREE, "solver.time_step": 0.0025}),
+    loop(10.0, {**FREE, "solver.time_step": 0.0005, "run.duration": 2.0}),
+    loop(1e-6, {**FREE, "solver.nodes": 401}, ", n 401", refined=False),
+    loop(1e-8, FREE, judged=False, refined=False),  # what it bends over is finer than its cells, which lose length as it falls slack
 )
 
 CASES = (
