@@ -64,6 +64,23 @@ def test_the_touchdown_of_a_mooring_is_that_of_the_elastic_catenary():
     assert errors[-1] < 0.5 * errors[0]
 
 
+SLACK = {  # 1000 m of line of which 130 m hang down 100 m: H/w = 34 m, what the line bends over where it touches down
+    "cable": {"length": 1000.0, "mass_per_length": 1.0, "axial_stiffness": 1e9, "diameter": 0.1},
+    "lower_end": {"anchored": True, "x": -940.0, "z": -100.0},
+    "environment": {"gravity": 10.0},
+    "seabed": {"level": -100.0, "stiffness": 1e7},
+}
+
+
+@pytest.mark.parametrize("nodes", [51, 52, 101, 102, 201, 401])
+def test_a_slack_mooring_errs_by_the_square_of_its_cells_over_the_bend_at_touchdown(nodes):
+    # touchdown falls anywhere in a cell, which costs up to h^2/(8 H/w) of height: the sign and size jump from mesh to mesh under that bound
+    pull, _ = touchdown(1000.0, 10.0, 1e9, 940.0, 100.0)
+    model = make(SLACK, solver__nodes=nodes)
+    model.initialize(still()(0.0))
+    assert abs(-model.outputs[0] / pull - 1.0) < 0.1 * (1000.0 / (nodes - 1) / (pull / 10.0)) ** 2
+
+
 def test_dragging_a_lying_cable_takes_its_weight_times_the_friction():
     model = make(LYING, lower_end__release_force=200.0)
     start = still(ON_FLOOR)(0.0)

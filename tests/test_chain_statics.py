@@ -125,6 +125,22 @@ def test_cable_between_two_points_is_the_elastic_catenary(stiffness):
     assert model.positions()[0] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
 
 
+@pytest.mark.parametrize("nodes", [26, 51, 52, 101, 102])
+def test_a_deep_loop_errs_as_a_midpoint_sum_over_its_bend_does(nodes):
+    # 1000 m between ends 100 m apart, a = H/w = 11.1 m: the sum over cells of 1/sqrt(1 + (s/a)^2) errs by 2 exp(-2 pi a/h), and its sign is
+    # that of a cell or a node at the lowest point
+    a = brentq(lambda a: 2.0 * a * np.arcsinh(500.0 / a) - 100.0, 1.0, 100.0)
+    base = {
+        "cable": {"length": 1000.0, "mass_per_length": 1.0, "axial_stiffness": 1e9},
+        "environment": {"gravity": 10.0},
+        "lower_end": {"anchored": True, "x": -100.0},
+        "solver": {"nodes": nodes},
+    }
+    model = make(base)
+    model.initialize(still()(0.0))
+    assert abs(-model.outputs[0] / (10.0 * a) - 1.0) < 2.0 * np.exp(-2.0 * np.pi * a * (nodes - 1) / 1000.0)
+
+
 def test_hanging_chain_stretches_under_its_own_weight():
     base = {"cable": {"length": 2.0, "mass_per_length": 1.0, "axial_stiffness": 100.0}, "environment": {"gravity": 10.0}}
     model = make(base)

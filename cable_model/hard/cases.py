@@ -32,6 +32,7 @@ class Case:
     statistics: float = 0.0  # s of motion over which rms and mean are compared with the reference's; 0: they are not
     reference: Changes = field(default_factory=dict)  # the finer grid and step of these statistics
     check: str = ""  # a further finding: its name in checks.py
+    beam: bool = False  # its bending may be pressed
 
 
 def grid_of(nodes: int, step: float, lam: float, stiffness: float) -> Variant:
@@ -133,6 +134,66 @@ BASIN = tuple(  # [Bergdahl et al. 2016]: up, then away from the anchor, twelve 
     for period in BASIN_PERIODS
 )  # fmt: skip
 
+HEAVED = {"kind": "sinusoid", "axis": "z", "angular_frequency": 1.2, "ramp_time": 5.0}
+FLOAT = {"body.mass": 153.75, "top.position": (0.0, 0.0, -5.25)}  # 0.5 of the water's density, on a wire from below
+BOBS = tuple(
+    Variant(
+        f"{label}, dt {step:g}",
+        {**changes, "solver.time_step": step, "top.motion": [{**HEAVED, "amplitude": amplitude}]},
+        refined=step == 0.02,
+    )
+    for label, changes, amplitude in (("heavy", {}, 0.7), ("float", FLOAT, 0.15), ("float goes slack", FLOAT, 0.7))
+    for step in (0.04, 0.02, 0.01)
+)
+LOWERED = (
+    Variant("waves of 1.5 m, stretched"),
+    Variant("waves of 3 m, stretched", {"waves.amplitude": 1.5}),
+    Variant("waves of 1.5 m up to z = 0", {"waves.surface": "held"}),
+    BOX[0],
+)
+HOSES = (
+    Variant("its end moves"),
+    Variant("waves of 1.5 m", {"top.motion": [], "waves.amplitude": 0.75, "waves.period": 6.0, "waves.surface": "wheeler"}),
+)
+
+UMBILICAL = 4.6625 * 20.0**3  # w L^3, N m2
+STIFF = 1e11  # N: the axial stiffness of a loop whose bending alone presses it by tens of kN
+
+
+def loop(number: float, changes: Changes, label: str = "", judged: bool = True, refined: bool = True) -> Variant:
+    """A loop of EI = `number` w L^3."""
+    values: dict[str, object] = {"cable.bending_stiffness": number * UMBILICAL}
+    if number >= 1.0:
+        values["cable.axial_stiffness"] = STIFF
+    return Variant(f"EI {number:g} w L3{label}", {**values, **changes}, judged, refined)
+
+
+def shaken(x: float, z: float, omega: float) -> Changes:
+    """The top's motion: x at `omega`, z at one and a half of it."""
+    motion = [
+        {"kind": "sinusoid", "axis": axis, "amplitude": amplitude, "angular_frequency": factor * omega, "ramp_time": 5.0}
+        for axis, amplitude, factor in (("x", x, 1.0), ("z", z, 1.5))
+    ]
+    return {"top.motion": motion}
+
+
+GENTLY, HARD = shaken(0.5, 0.2, 0.6), shaken(1.0, 0.5, 2.0)
+LOOPS = (
+    *(loop(number, GENTLY) for number in (1e-8, 1e-6, 1e-4, 1e-2, 1.0, 10.0)),
+    *(loop(number, HARD, ", shaken hard") for number in (1e-4, 1e-2, 1.0, 10.0)),
+    # these two go slack, and bend over less than their cells
+    *(loop(number, HARD, ", shaken hard", judged=False, refined=False) for number in (1e-8, 1e-6)),
+)
+FREE = {"lower_end.released": True}
+LET_GO = (
+    loop(1e-4, FREE),
+    loop(1e-2, FREE),
+    loop(1.0, {**FREE, "solver.time_step": 0.0025}),
+    loop(10.0, {**FREE, "solver.time_step": 0.0005, "run.duration": 2.0}),
+    loop(1e-6, {**FREE, "solver.nodes": 401}, ", n 401", refined=False),
+    loop(1e-8, FREE, judged=False, refined=False),  # what it bends over is finer than its cells, which lose length as it falls slack
+)
+
 CASES = (
     Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0, statistics=240.0, reference=FINE),
     Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=240.0, reference=FINE),
@@ -150,6 +211,11 @@ CASES = (
     Case("H12", "hard/slack_current", (Variant("lambda -0.5"),), chaos=TURN),
     Case("H13", "basin_chain", BASIN, check="basin"),
     Case("H14", "hard/three_hours", (Variant("lambda -0.5", refined=False),), check="drift"),
+    Case("H16", "hard/bob", (*BOBS, BOX[0]), check="crossing"),
+    Case("H16 lowered", "hard/lowered", LOWERED, check="crossing"),
+    Case("H16 hose", "hard/hose", HOSES, check="crossing", beam=True),
+    Case("H17", "hard/loops", LOOPS, check="loops", beam=True),
+    Case("H17 let go", "hard/loops", LET_GO, check="loops", beam=True),
     Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
     Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),
 )

@@ -117,6 +117,32 @@ def touchdown(runs: Runs) -> list[Finding]:
     return [Finding("+", drift, 1e-3, drift <= 1e-3, "mean place of touchdown, last ten minutes against the second, over L")]
 
 
+def crossing(runs: Runs) -> list[Finding]:
+    """Through the surface: where nothing goes slack, three Newton iterations a step at most; energy at order 2 in runs of several steps."""
+    found = []
+    smooth = {label: run for label, run in runs.items() if "slack" not in label}
+    for label, run in smooth.items():
+        most = float((np.diff(run["solver.newton_iterations"]) / np.maximum(run.substeps[1:], 1.0)).max())
+        found.append(Finding("+", most, 3.0, most <= 3.0, f"{label}: most Newton iterations of a step"))
+    for name in dict.fromkeys(label.partition(", dt ")[0] for label in smooth if ", dt " in label):
+        own = [run for label, run in smooth.items() if label.startswith(f"{name}, dt ")]
+        coarse, fine = own[0], own[-1]
+        steps = coarse.scene.solver.time_step / fine.scene.solver.time_step
+        order = float(np.log(np.abs(coarse.excess).max() / np.abs(fine.excess).max()) / np.log(steps))
+        found.append(Finding("+", order, 1.8, order >= 1.8, f"{name}: order of the energy's error in the step, at least"))
+    return found
+
+
+def loops(runs: Runs) -> list[Finding]:
+    """The length of the drawn cable stays the unstretched one to 1e-5 at all times, and no cell turns back on its neighbour."""
+    found = []
+    for label, run in runs.items():
+        off, turn = float(np.abs(run.lengths / run.scene.cable.length - 1.0).max()), float(np.degrees(run.turn))
+        found.append(Finding("+", off, 1e-5, off <= 1e-5, f"{label}: length against the unstretched, over it"))
+        found.append(Finding("+", turn, 90.0, turn <= 90.0, f"{label}: largest turn between cells, degrees"))
+    return found
+
+
 CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
     "folded fall": folded_fall,
     "peaks": peaks,
@@ -125,5 +151,7 @@ CHECKS: dict[str, Callable[[Runs], list[Finding]]] = {
     "basin": basin.findings,
     "drift": no_drift,
     "held": held,
+    "crossing": crossing,
+    "loops": loops,
     "touchdown": touchdown,
 }

@@ -34,6 +34,9 @@ class Record:
     error: str
     seconds: float  # processor time
     shapes: list[np.ndarray] = field(default_factory=list)
+    lengths: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the drawn cable, m; empty where no ledger was kept
+    turn: float = 0.0  # largest angle between neighbouring cells, rad
+    middle: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))  # path (rows, 3) of the middle one of an odd number of nodes, m
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.outputs[:, OUTPUTS.index(name)]
@@ -42,6 +45,12 @@ class Record:
     def reached(self) -> float:
         """Time that the run reached, s."""
         return float(self.times[-1])
+
+    @property
+    def followed(self) -> np.ndarray:
+        """Path (rows, 3) to compare with finer runs', m: of the lower end or, where that is held and cells are equal, of the middle."""
+        end, solver = self.scene.lower_end, self.scene.solver
+        return self.middle if end.anchored and not end.released and solver.grading == 1.0 else self.body
 
     @property
     def body(self) -> np.ndarray:
@@ -59,6 +68,8 @@ class _Watch:
         self.drift: list[float] = []
         self.top_error = 0.0
         self.arc_error = 0.0
+        self.lengths: list[float] = []
+        self.turn = 0.0
 
     def read(self, time: float) -> None:
         now = self.now
@@ -68,7 +79,11 @@ class _Watch:
         at = self.model.positions()
         self.top_error = max(self.top_error, float(np.abs(at[-1] - prescribed).max()))
         n = now.mesh.shape[0] + 1
-        drawn = np.linalg.norm(np.diff(at, axis=0), axis=1)
+        cells = np.diff(at, axis=0)
+        drawn = np.linalg.norm(cells, axis=1)
+        self.lengths.append(float(drawn.sum()))
+        along = np.sum(cells[1:] * cells[:-1], axis=1) / (drawn[1:] * drawn[:-1])
+        self.turn = max(self.turn, float(np.arccos(np.clip(along.min(), -1.0, 1.0))))
         self.arc_error = max(self.arc_error, abs(float(drawn.sum() - now.mesh[:, 0] @ np.linalg.norm(now.y[: n - 1], axis=1))))
         brought = now.y[n - 1]
         own = prescribed if len(brought) == 3 else prescribed[[0, 2]]
@@ -92,18 +107,20 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     watcher = _Watch(model, motion)
     outputs = output_steps(duration, step)
     moments = set(np.linspace(0, len(outputs), SHAPES).astype(int))
-    rows, shapes, times, substeps = [], [], [0.0], [0.0]
+    rows, shapes, middle, times, substeps = [], [], [], [0.0], [0.0]
     error = ""
     begun = clock.process_time()
     try:
         model.initialize(motion(0.0, 1))
         rows.append(model.outputs.copy())
+        middle.append(model.positions()[scene.solver.nodes // 2])
         if watch:
             watcher.read(0.0)
         for k, output in enumerate(outputs):
             before = model.state[header.STEPS]
             follow(model.advance, motion, output, scene.solver.time_step)
             rows.append(model.outputs.copy())
+            middle.append(model.positions()[scene.solver.nodes // 2])
             times.append(output.end)
             substeps.append(model.state[header.STEPS] - before)
             if watch:
@@ -119,4 +136,5 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     return Record(
         scene, _weight(scene), np.array(times[: len(rows)]), table, excess, np.array(watcher.drift),
         watcher.top_error, watcher.arc_error, np.array(substeps[: len(rows)]), error, seconds, shapes,
+        np.array(watcher.lengths), watcher.turn, np.array(middle),
     )  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_model.hard.record import Record
+from cable_model.kernels.slack import HELD
 
 SMALL_STEP = 1e-4  # of the base step: smaller ones are allowed for SLOW_SHARE of the run
 SLOW_SHARE = 0.01
@@ -51,8 +52,11 @@ def keeps_energy(run: Record) -> Finding:
     return _below("b", run.excess.max() / scale, ENERGY, "energy excess over W L")
 
 
-def keeps_geometry(run: Record, chaos: float) -> list[Finding]:
-    """(c) The top is where it should be, the length is true, both ways to the lower end agree, nothing is pushed."""
+def keeps_geometry(run: Record, chaos: float, beam: bool = False) -> list[Finding]:
+    """(c) The top is where it should be, the length is true, both ways to the lower end agree, nothing is pushed.
+
+    A `beam` may be pressed by what the bending of a cell holds, 2 EI/h^2.
+    """
     length = run.scene.cable.length
     before = run.times <= chaos
     found = [
@@ -62,21 +66,22 @@ def keeps_geometry(run: Record, chaos: float) -> list[Finding]:
     ]
     if not before.all():
         found.append(_below("c", run.drift.max() / length, DRIFT_IN_CHAOS, "drift of the lower end over L"))
-    push = max(0.0, -float(run["cable.tension_min"].min()))
+    held = HELD * run.scene.cable.bending_stiffness * ((run.scene.solver.nodes - 1) / length) ** 2 if beam else 0.0
+    push = max(0.0, -float(run["cable.tension_min"].min()) - held)
     scale = max(run.weight, 1e-3 * float(run["top.tension"].max()))
     return [*found, _below("c", push / scale, COMPRESSION, "compression over W")]
 
 
 def _gap(a: Record, b: Record, until: float) -> float:
-    """Largest distance between the lower ends of two runs at common times up to `until`, over the length."""
+    """Largest distance between the paths of two runs at common times up to `until`, over the length."""
     stop = min(until, a.reached, b.reached)
     times = a.times[a.times <= stop * (1.0 + 1e-9)]
-    path = np.array([np.interp(times, b.times, b.body[:, k]) for k in range(3)]).T
-    return float(np.linalg.norm(a.body[: len(times)] - path, axis=1).max() / a.scene.cable.length)
+    path = np.array([np.interp(times, b.times, b.followed[:, k]) for k in range(3)]).T
+    return float(np.linalg.norm(a.followed[: len(times)] - path, axis=1).max() / a.scene.cable.length)
 
 
 def converges(run: Record, finer: Record, finest: Record, chaos: float, tolerance: float) -> list[Finding]:
-    """(d) Twice the nodes and a quarter of the step change the lower end's path little until chaos, and again less.
+    """(d) Twice the nodes and a quarter of the step change the path of the lower end, or middle, little until chaos, and again less.
 
     A difference of a tenth of the tolerance need not fall any more: there the statics' own tolerance shows.
     """
