@@ -173,6 +173,10 @@ EFFECTS = (
         costs={"winch": {"winch.fitted": True}},
     ),
     Effect(
+        "host", "mass of the host", Given("host.mass"), ("host.mass",), part=False, told_to_peers=True, numbers=("host.mass",),
+        left_out={"host.mass": 0.0},
+    ),
+    Effect(
         "curve", "table of the axial stiffness", Given("cable.stiffness_curve"), ("cable.stiffness_curve",), models=(CHAIN,),
         grids=(STAGGERED,), table=tables.stiffness_curve, native="absent", left_out={"cable.stiffness_curve": ()},
         costs={"table of the axial stiffness": {"cable.stiffness_curve": _CURVE}},

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import exchange, header, ringing, top, watch
+from cable_model.kernels import exchange, header, host, host_trials, ringing, top, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.signals import OUTPUTS
 
@@ -25,6 +25,7 @@ class JustInTime:
         self.top_speed = 0.0
         self._path = np.zeros((top.ROWS, 4))
         self._end = np.zeros(9)
+        self._room = np.zeros(host.room_size(self._numbers, len(self.state), len(OUTPUTS)))
 
     def start(self, time: float, inputs: np.ndarray) -> int:
         top.start_top(self._order, self._numbers, self.state, inputs)
@@ -47,9 +48,19 @@ class JustInTime:
         ringing.watch_ringing(self._numbers, self.state, inputs)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
         top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
-        status = self._follow(time, step)
+        status = self._follow(time, step) if not len(self._room) else self._find_top(time, step, inputs)
         if status == header.OK:
             top.remember(self._order, self._numbers, self.state, inputs, step)
+        return status
+
+    def _find_top(self, time: float, step: float, inputs: np.ndarray) -> int:
+        """A step whose top has a mass: the path that follows the inputs is the first of several that are tried."""
+        fixed = (self._parts.space is not None, self._numbers)
+        changed = (self.state, self.outputs, self._room, self._path)
+        host_trials.begin_trials(*fixed, time, step, self.state, self.outputs, inputs, self._room, self._path)
+        status: int = host_trials.AGAIN
+        while status == host_trials.AGAIN:
+            status = host_trials.judge(*fixed, self._follow(float(self._room[host.TIME]), step), *changed)
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:

@@ -198,6 +198,13 @@ class Top:
 
 
 @dataclass(frozen=True)
+class Host:
+    """What the top is fastened to in a co-simulation whose host holds the force over a step."""
+
+    mass: float = quantity("kg", "mass that the top is fastened to in a co-simulation (0 = its motion is as given)", default=0.0, least=0.0)
+
+
+@dataclass(frozen=True)
 class Solver:
     grid: str = quantity("", "finite-difference grid", default="staggered", choices=("staggered", "box"))
     nodes: int = quantity("1", "number of nodes of the chain", default=51, least=3, most=100000)

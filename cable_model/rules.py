@@ -105,6 +105,14 @@ RULES = (
         ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
         "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
     ),
+    Rule(
+        Given("host.mass") & ~Given("top.motion_order"), "top.motion_order", ">= 1 with host.mass",
+        "Give the host's velocities too, or set host.mass = 0.",
+    ),
+    Rule(
+        Given("host.mass") & Given("top.inputs_at"), "top.inputs_at", "0 with host.mass",
+        "Give inputs at the start of the step, or set host.mass = 0.",
+    ),
     Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
     Rule(
         On("audit") & On("winch"), "solver.audit", "false with a winch",

@@ -12,7 +12,7 @@ from typing import Any
 
 from cable_model import rules
 from cable_model.errors import ParameterError, unknown
-from cable_model.parameters import Body, Cable, Current, Environment, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
+from cable_model.parameters import Body, Cable, Current, Environment, Host, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
 from cable_model.quantity import build, quantity
 
 
@@ -32,6 +32,7 @@ class Scene:
     waves: Waves = field(default_factory=Waves)
     top: Top = field(default_factory=Top)
     winch: Winch = field(default_factory=Winch)
+    host: Host = field(default_factory=Host)
     tow: Tow = field(default_factory=Tow)
     solver: Solver = field(default_factory=Solver)
     run: Run = field(default_factory=Run)

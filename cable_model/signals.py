@@ -18,4 +18,5 @@ OUTPUTS = (
     "top.force_mean_x", "top.force_mean_y", "top.force_mean_z",
     "coupling.growth",
     "audit.energy", "audit.momentum",
+    "top.force_next_x", "top.force_next_y", "top.force_next_z",
 )  # fmt: skip

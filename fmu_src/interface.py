@@ -180,6 +180,9 @@ _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
         1.0,
         _NONE,
     ),
+    "top.force_next_x": ("N", "force of the cable for a host to hold over the next communication step, x", 1e3, INPUTS),
+    "top.force_next_y": ("N", "force of the cable for a host to hold over the next communication step, y", 1e3, INPUTS),
+    "top.force_next_z": ("N", "force of the cable for a host to hold over the next communication step, z", 1e3, INPUTS),
 }
 
 

@@ -15,7 +15,8 @@ AHEAD = EXCHANGE + 6  # impulse told over time that still waits
 MEAN = EXCHANGE + 9  # force told for the last communication step, N
 LAST = EXCHANGE + 12  # force at the averaged time of the last internal step, N
 TOLD = EXCHANGE + 15  # force at the end of the last communication step, N
-GROWTH = EXCHANGE + 18  # rate at which the exchange feeds a ringing, 1/s; see ringing.py
+NEXT = EXCHANGE + 18  # force for a host to hold over the next communication step, N: that told, or with host.mass what host.py foretells
+GROWTH = EXCHANGE + 21  # rate at which the exchange feeds a ringing, 1/s; see ringing.py
 MEANS = 18  # of the outputs, the first of three
 
 
@@ -57,7 +58,8 @@ def start_exchange(state, outputs):
     for k in range(3):
         state[MEAN + k] = outputs[k]
         state[TOLD + k] = outputs[k]
-        outputs[MEANS + k] = outputs[k]
+        state[NEXT + k] = outputs[k]
+    tell_exchange(state, outputs)
 
 
 @kernel
@@ -76,14 +78,16 @@ def end_exchange(state, span, outputs):
             state[OWED + k] = (1.0 - share) * owed
             state[AHEAD + k] = 0.0
         state[TOLD + k] = outputs[k]
+        state[NEXT + k] = outputs[k]
     tell_exchange(state, outputs)
 
 
 @kernel
 def tell_exchange(state, outputs):
-    """The mean force and the growth that the state has, and what its audit says."""
+    """The mean force, the growth and the force to be held that the state has, and what its audit says."""
     for k in range(3):
         outputs[MEANS + k] = state[MEAN + k]
+        outputs[MEANS + 6 + k] = state[NEXT + k]
     outputs[MEANS + 3] = state[GROWTH]
     outputs[MEANS + 4] = state[AUDIT]
     outputs[MEANS + 5] = state[AUDIT + 1]

@@ -10,7 +10,7 @@ motion is given feeds a cable too, with what its inputs do not resolve; it follo
 
 import math
 
-from cable_model.kernels.exchange import GROWTH, MEAN, TOLD
+from cable_model.kernels.exchange import GROWTH, MEAN, NEXT, TOLD
 from cable_model.kernels.header import PAID_OUT, RINGING, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.watch import LAST, RINGS, SPAN, note
@@ -94,7 +94,7 @@ def _add_kinks(p, state):
         i = TOP_SPEED + k
         top = _kink(new[i], before[i], older[i], reach)
         mean = _kink(new[3 + k], before[3 + k], older[3 + k], reach)
-        force = _kink(state[TOLD + k], new[k], before[k], h / before[LENGTH])
+        force = _kink(state[NEXT + k], new[k], before[k], h / before[LENGTH])
         for j in range(HELD):
             i = 3 * j + k
             held = _kink(new[i], before[i], older[i], reach)
@@ -137,5 +137,5 @@ def watch_ringing(p, state, inputs):
         for k in range(ROWS * ROW - 1, ROW - 1, -1):
             state[RINGING + k] = state[RINGING + k - ROW]
     for k in range(3):
-        state[BEGUN + k] = state[TOLD + k]
+        state[BEGUN + k] = state[NEXT + k]
         state[BEGUN + 3 + k] = state[TOP + k]

@@ -144,7 +144,8 @@ def _watch_motion(order, p, state, inputs, step):
     stretched = p[0].cable.axial_stiffness / p[0].cable.length * whole / 8.0
     kick = min(max(impedance, stretched), mass / whole) * math.sqrt(missed)
     inertia = mass * math.sqrt(state[RATES] / moving)
-    if p[0].top.inputs_at == 0.0 and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
+    leads = p[0].top.inputs_at == 0.0 and p[0].host.mass == 0.0
+    if leads and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
         state[MISSING] += before
         rates_differ = state[DOUBT + 2 * VELOCITY] + state[DOUBT + 2 * ACCELERATION] > 0.0
         if state[MISSING] > 0.5 * moving and moving > FEWEST_STEPS * before and not rates_differ:

@@ -131,14 +131,14 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import exchange, header, ringing, top, watch
+    from cable_model.kernels import exchange, header, host, host_trials, ringing, top, watch
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
     parts_now = _parts(variant)
     advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
     state_size, work_size, node_positions = kernels.state_size, kernels.work_size, kernels.node_positions
-    ok = header.OK
+    ok, again = header.OK, host_trials.AGAIN
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
     def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
@@ -148,7 +148,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
-            outputs[1] = WORK + work_size(parts, numbers)
+            outputs[1] = WORK + work_size(parts, numbers) + host.room_size(numbers, state_size(parts, numbers), n_outputs)
             return ok
         state = carray(y, (n_y,))
         work = carray(w, (n_w,))
@@ -161,28 +161,39 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             return ok
         elif what == OUTPUTS:
             status = ok
+        if what == START or what == OUTPUTS:
+            if status == ok:
+                write_outputs(parts, numbers, state, work[WORK:], outputs)
+                if what == START:
+                    exchange.start_exchange(state, outputs)
+            return status
+        path = work[PATH:END].reshape((ROWS, 4))
+        end = work[END:WORK]
+        room = work[n_w - host.room_size(numbers, n_y, n_outputs) :]
+        hosted = what == STEP and room.shape[0] > 0
+        in_space = parts.space is not None
+        if what == STEP:
+            ringing.watch_ringing(numbers, state, inputs)
+            watch.watch_inputs(order, numbers, state, inputs, step)
+            top.follow_inputs(order, numbers, state, inputs, step, end, path)
         else:
-            path = work[PATH:END].reshape((ROWS, 4))
-            end = work[END:WORK]
-            if what == STEP:
-                ringing.watch_ringing(numbers, state, inputs)
-                watch.watch_inputs(order, numbers, state, inputs, step)
-                top.follow_inputs(order, numbers, state, inputs, step, end, path)
-            else:
-                top.quintic(inputs, end, step, path)
-                top.wind(state[header.PAID_OUT], inputs[9], end[9], step, path)
+            top.quintic(inputs, end, step, path)
+            top.wind(state[header.PAID_OUT], inputs[9], end[9], step, path)
+        if hosted:
+            host_trials.begin_trials(in_space, numbers, time, step, state, outputs, inputs, room, path)
+        status = again
+        while status == again:
             outputs[0] = top.mean_speed(path, step)
-            if outputs[0] > FASTEST_TOP:
-                return TOO_FAST
-            status = advance(parts, numbers, time, step, path, state, work[WORK:])
-        if status == ok:
-            write_outputs(parts, numbers, state, work[WORK:], outputs)
-            if what == START:
-                exchange.start_exchange(state, outputs)
-            elif what != OUTPUTS:
+            status = TOO_FAST
+            if outputs[0] <= FASTEST_TOP:
+                status = advance(parts, numbers, room[host.TIME] if hosted else time, step, path, state, work[WORK:])
+            if status == ok:
+                write_outputs(parts, numbers, state, work[WORK:], outputs)
                 exchange.end_exchange(state, step, outputs)
-            if what == STEP:
-                top.remember(order, numbers, state, inputs, step)
+            if hosted:
+                status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
+        if status == ok and what == STEP:
+            top.remember(order, numbers, state, inputs, step)
         return status
 
     return entry
