@@ -49,7 +49,7 @@ FIRST, CORRECTED = -2.0, -1.0  # trials; 0 to 5: where this number of the guess 
 
 ALIKE = 1.1  # ratio of steps beyond which the slope is another's
 MOST_PASSES = 4
-POOR = 0.3  # what a correction may leave of what was missed
+POOR = 0.1  # what a correction may leave of what was missed
 LOUD = 1e-3  # of the force: what is missed below it is let be
 SHARE = 1e-3  # of the force, by which a guess differs for a column of the slope
 MOVED = 1e-6  # of the cable's length, by which the top differs then at least

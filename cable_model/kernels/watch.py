@@ -37,6 +37,7 @@ SLOWEST = 1e-2  # of sqrt(g length): changes of velocity below it say nothing
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
 SEVERAL = 6.0  # times the longest of a step: a motion that begins by a power of time goes farther in each step than in all before
 TOUCHED = 1e-6  # of the cable's length: before the first step the top is where the inputs say, but for rounding
+RESTING = 1e-9  # of a free fall over the cable's length: a top with a mass that rests is moved by rounding
 KICK = 0.2  # of the motion's own inertia
 FEWEST_STEPS = 20.0  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 PERIODS = 2.0  # that a motion must have lasted to have a frequency
@@ -132,7 +133,8 @@ def _watch_motion(order, p, state, inputs, step):
         if order > 0:
             missed += (inputs[3 + k] - state[TOP + 3 + k]) ** 2
     before = state[SPAN]
-    if before == 0.0 or (speed == 0.0 and rate == 0.0):
+    still = RESTING * GRAVITY * p[0].cable.length
+    if before == 0.0 or (speed <= RESTING * still and rate <= (RESTING * GRAVITY) ** 2):
         return
     state[MOVING] += before
     state[SPEEDS] += before * speed
