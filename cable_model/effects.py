@@ -169,12 +169,12 @@ EFFECTS = (
         numbers=("seabed.laid_from_anchor",), left_out={"seabed.laid_from_anchor": False},
     ),
     Effect(
-        "winch", "winch", Given("winch.fitted"), ("winch.fitted",), models=(CHAIN,), grids=(STAGGERED,), parameters=("winch.fitted",),
-        costs={"winch": {"winch.fitted": True}},
-    ),
-    Effect(
         "host", "mass of the host", Given("host.mass"), ("host.mass",), part=False, told_to_peers=True, numbers=("host.mass",),
         left_out={"host.mass": 0.0},
+    ),
+    Effect(
+        "winch", "winch", Given("winch.fitted"), ("winch.fitted",), models=(CHAIN,), grids=(STAGGERED,), parameters=("winch.fitted",),
+        costs={"winch": {"winch.fitted": True}},
     ),
     Effect(
         "curve", "table of the axial stiffness", Given("cable.stiffness_curve"), ("cable.stiffness_curve",), models=(CHAIN,),
