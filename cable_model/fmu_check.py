@@ -118,7 +118,8 @@ def simulate_fmu(
     """
     with _opened(fmu) as opened:
         opened.slave.setupExperiment(startTime=float(times[0]), stopTime=float(times[-1]))
-        opened.set({**dict(zip(INPUTS, inputs[0].tolist(), strict=True)), **(parameters or {})})
+        moved = {"host.mass": 0.0} if "host.mass" in opened.variables else {}  # the motion is given
+        opened.set({**dict(zip(INPUTS, inputs[0].tolist(), strict=True)), **moved, **(parameters or {})})
         opened.slave.enterInitializationMode()
         opened.slave.exitInitializationMode()
         references = [opened.variables[name].valueReference for name in INPUTS]

@@ -35,6 +35,7 @@ OTHER_CASES: Mapping[str, Mapping[str, Any]] = {
     "floor": {"tow.minimum_tension": 0.1, "body.mass": 0.1},
     "thinning": {"tow.poisson_ratio": 0.3},
     "float": {"body.mass": 0.1, "body.volume": 2e-4, "body.drag_area": 1e-3, "body.added_mass": 0.1, "water.density": 1000.0},
+    "on a host": {"host.mass": 2.0},
     "top in air": {"top.position": (0.0, 0.0, 0.3), "water.density": 1000.0},
 }
 CASES = {**COST_CASES, **OTHER_CASES}
