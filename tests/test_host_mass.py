@@ -34,8 +34,8 @@ def carried(name: str) -> Scene:
 @pytest.mark.parametrize(
     ("kind", "name", "heave", "force"),
     [
-        (CableChain, "20 t", 5e-4, 4e-3), (CableChain, "2 t", 7e-4, 5e-3), (CableChain, "heavy 20 t", 2e-3, 4e-3),
-        (TowCable, "20 t", 5e-4, 6e-3), (TowCable, "2 t", 7e-4, 6e-3),
+        (CableChain, "20 t", 5e-4, 4e-3), (CableChain, "2 t", 1e-3, 5e-3), (CableChain, "heavy 20 t", 2e-3, 4e-3),
+        (TowCable, "20 t", 5e-4, 6e-3), (TowCable, "2 t", 1e-3, 6e-3),
     ],
 )  # fmt: skip
 def test_a_light_vessel_moves_as_in_one_system_with_its_cable(kind: type[Model], name: str, heave: float, force: float):
@@ -194,7 +194,7 @@ def test_any_communication_steps_will_do(kind: type[Model], steps: list[float]):
     found = exchange(model, floating, steps, NEXT)
     wrong = shares(found, exact)
     assert (wrong[:3] < 2e-3).all()
-    assert (wrong[3:] < 3e-2).all()
+    assert (wrong[3:] < 5e-2).all()
     assert not rings(model)
 
 
@@ -216,9 +216,9 @@ def test_a_run_goes_on_from_a_saved_state(kind: type[Model], at: int):
 
 
 def test_a_slope_that_is_no_longer_right_is_renewed():
-    """A line of 20 m that falls with its body from nearly level turns its stiff axis, under a vessel of four such bodies."""
-    made = with_values(STRAIGHT, {"solver.space": False, "cable.length": 20.0, "host.mass": 2e3})
-    falling = Floating(2e3, (1e3, 0.0, 1e4), (0.0, 0.0, 0.0))
+    """A line of 20 m that falls with its body from nearly level turns its stiff axis, under a vessel as light; with its first slope the force is 6 % off."""
+    made = with_values(STRAIGHT, {"solver.space": False, "cable.length": 20.0, "host.mass": 500.0})
+    falling = Floating(500.0, (1e3, 0.0, 1e4), (0.0, 0.0, 0.0))
 
     def fall(step: float) -> np.ndarray:
         model = TowCable(made)
@@ -227,9 +227,9 @@ def test_a_slope_that_is_no_longer_right_is_renewed():
             if k == 0:
                 model.set_state(1.4, 0.0, 0.3 * float(model.motion[2]), 0.0)
 
-        return exchange(model, falling, [step] * round(4.0 / step), NEXT, each=let_go)
+        return exchange(model, falling, [step] * round(6.0 / step), NEXT, each=let_go)
 
-    assert (shares(fall(0.1), fall(0.02))[[0, 2]] < 0.05).all()
+    assert (shares(fall(0.05), fall(0.02))[[0, 2, 5]] < 0.05).all()
 
 
 # -- what has none, and what is refused
