@@ -18,7 +18,7 @@ from fmu_src.interface import Variable
 AUTHOR = "The cable-fmu contributors"
 DISPLAYED = {"rad": ("deg", math.degrees(1.0))}  # what people read instead of a unit, and how many of it that is
 FIXED_STEP_TOLERANCE = 1e-3  # of the default experiment where solver.tolerance is 0: FMI wants one above it
-_DERIVED = {"1": {}, "N": {"kg": 1, "m": 1, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}}
+_DERIVED = {"1": {}, "N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "Pa": {"kg": 1, "m": -1, "s": -2}}
 
 
 def base_units(unit: str) -> dict[str, int]:

@@ -81,10 +81,10 @@ def test_value_references_of_released_fmus_never_change():
 
 
 def test_units_are_written_in_si_base_units():
-    """Against the SI brochure: N = kg m/s2, Pa = N/m2."""
+    """Against the SI brochure: N = kg m/s2, J = N m, Pa = N/m2."""
     known = {
         "1": {}, "m": {"m": 1}, "m2": {"m": 2}, "rad": {"rad": 1}, "m/s2": {"m": 1, "s": -2}, "kg/m3": {"kg": 1, "m": -3},
-        "N": {"kg": 1, "m": 1, "s": -2}, "N.m2": {"kg": 1, "m": 3, "s": -2}, "N.s2": {"kg": 1, "m": 1},
+        "N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "N.m2": {"kg": 1, "m": 3, "s": -2}, "N.s2": {"kg": 1, "m": 1},
         "Pa/m": {"kg": 1, "m": -2, "s": -2},
     }  # fmt: skip
     assert {unit: base_units(unit) for unit in known} == known
