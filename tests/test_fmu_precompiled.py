@@ -20,7 +20,8 @@ from cable_model.scene import load
 from cable_model.simulated import parts_of
 from fmu_src import precompiled
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
-from fmu_src.interface import generic_scene, scene_from_values
+from fmu_src.interface import generic_scene
+from fmu_src.native.export import ExportError, scene_from_values
 from fmu_src.native import object_code
 from fmu_src.precompiled import ObjectCode
 
@@ -173,6 +174,7 @@ import sys
 import numpy as np
 from cable_model.models import MODELS
 from fmu_src.interface import generic_scene
+from fmu_src.native.export import ExportError
 from fmu_src.native.object_code import GENERIC
 from fmu_src.precompiled import ObjectCode
 code = ObjectCode(b"code", GENERIC["tow"])
@@ -210,7 +212,7 @@ def test_an_export_that_fails_leaves_an_fmu_without_object_code_and_a_line_on_st
     build_fmu: ModuleType, fmus: dict[str, Fmu], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ):
     def broken(model: str, variants: object) -> bytes:
-        raise RuntimeError("the export of the kernels failed:\nsome reason")
+        raise ExportError("the export of the kernels failed:\nsome reason")
 
     monkeypatch.setattr(object_code, "object_code", broken)
     path = build_fmu.build("tow", generic_scene(), tmp_path / "TowCable.fmu")
