@@ -20,9 +20,9 @@ from cable_model.scene import load
 from cable_model.simulated import parts_of
 from fmu_src import precompiled
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
-from fmu_src.interface import generic_scene
-from fmu_src.native.export import ExportError, scene_from_values
+from fmu_src.interface import generic_scene, scene_from_values
 from fmu_src.native import object_code
+from fmu_src.native.export import ExportError
 from fmu_src.precompiled import ObjectCode
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -174,7 +174,6 @@ import sys
 import numpy as np
 from cable_model.models import MODELS
 from fmu_src.interface import generic_scene
-from fmu_src.native.export import ExportError
 from fmu_src.native.object_code import GENERIC
 from fmu_src.precompiled import ObjectCode
 code = ObjectCode(b"code", GENERIC["tow"])
