@@ -36,7 +36,7 @@ def test_a_native_fmu_is_a_valid_fmu_below_200_kilobytes(fmu: Fmu):
 
 
 def test_a_native_fmu_describes_itself_as_the_python_fmu_does(fmu: Fmu, fmus: dict[str, Fmu]):
-    def description(path: Path) -> str:
+    def description(path: Path, interpolates: str) -> str:
         with zipfile.ZipFile(path) as archive:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         for name in ("guid", "generationTool"):
@@ -44,10 +44,11 @@ def test_a_native_fmu_describes_itself_as_the_python_fmu_does(fmu: Fmu, fmus: di
         capabilities = root.find("CoSimulation")
         assert capabilities is not None
         del capabilities.attrib["canNotUseMemoryManagementFunctions"]
+        assert capabilities.attrib.pop("canInterpolateInputs") == interpolates  # pythonfmu has no call for it
         return ElementTree.canonicalize(ElementTree.tostring(root, encoding="unicode"), strip_text=True)
 
     key = KEYS[fmu.path.stem]
-    assert description(fmu.path) == description(fmus[key].path)
+    assert description(fmu.path, "true") == description(fmus[key].path, "false")
 
 
 def test_the_library_needs_only_libc_and_libm_and_exports_only_fmi(fmu: Fmu):
