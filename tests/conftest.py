@@ -5,12 +5,14 @@ from __future__ import annotations
 import functools
 import importlib.util
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numba
 import pytest
+from fmi_calls import Component, Library
 from fmu_support import Fmu
 from native_support import KEYS
 
@@ -87,3 +89,30 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
 def fmu(request: pytest.FixtureRequest, fmus: dict[str, Fmu]) -> Fmu:
     """Each generic FMU in turn."""
     return fmus[request.param]
+
+
+@pytest.fixture(params=["native", "python"])
+def in_each_flavour(request: pytest.FixtureRequest) -> Fmu:
+    """One model's FMU in each flavour."""
+    flavours: dict[str, Fmu] = request.getfixturevalue({"native": "native", "python": "fmus"}[request.param])
+    return flavours["tow"]
+
+
+@pytest.fixture
+def library(in_each_flavour: Fmu) -> Library:
+    """Its library, called by C's interface."""
+    return Library(Path(in_each_flavour.folder), in_each_flavour.path.stem)
+
+
+@pytest.fixture
+def new(in_each_flavour: Fmu, library: Library) -> Iterator[Callable[..., Component]]:
+    """Makes instances, and frees them in the end."""
+    made: list[Component] = []
+
+    def make(**arguments: Any) -> Component:
+        made.append(Component(library, arguments.pop("guid", in_each_flavour.description.guid), **arguments))
+        return made[-1]
+
+    yield make
+    for component in made:
+        component.free()
