@@ -7,7 +7,7 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
-from cable_model.kernels.choice import by_presence, in_still_water
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
 from cable_model.kernels.error_control import (
     GROWTH,
@@ -71,13 +71,12 @@ def initialize(parts, p, time, state, work):
 
 @kernel
 def settle(parts, p, time, state, work):
-    """Static equilibrium under the top of the header, in the steady current: waves come to a cable at rest."""
+    """Static equilibrium under the top of the header, in the water's velocity of this moment: drag does not jump when the run begins."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
     top = top_at(parts, state, 0)
-    still = in_still_water(parts)
-    status = grid.equilibrium(parts.box, still, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
+    status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
     if status == header.OK:
         return status
     _note_worst(view.scratch.x, state)

@@ -39,17 +39,3 @@ def without(*names):
         return eval(f"lambda parts: made({', '.join('None' if n in names else f'parts.{n}' for n in made._fields)})", {"made": made})
 
     return fewer
-
-
-def in_still_water(parts):
-    """The same parts with no waves in their table: what is left of the water's motion is steady."""
-    return parts if parts.waves is None else parts._replace(waves=parts.waves[:0])
-
-
-@overload(in_still_water, jit_options=inner_options())
-def _in_still_water(parts):
-    made = parts.instance_class
-    if isinstance(parts.types[made._fields.index("waves")], types.NoneType):
-        return lambda parts: parts
-    still = ["parts.waves[:0]" if name == "waves" else f"parts.{name}" for name in made._fields]
-    return eval(f"lambda parts: made({', '.join(still)})", {"made": made})

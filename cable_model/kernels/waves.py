@@ -63,7 +63,7 @@ def _effective_height(stretched, waves, position, t):
             return 0.0, zero(position), 0.0
         return z, upward(1.0, position), 0.0
     surface, rate, slope = elevation(waves, position, t)
-    depth = waves[0, DEPTH] if waves.shape[0] > 0 else 0.0  # statics in the steady current see an empty table
+    depth = waves[0, DEPTH]
     if z >= surface:
         return 0.0, zero(position), 0.0
     if depth <= 0.0:
@@ -83,8 +83,6 @@ def _faded(cut, waves, position, t):
     height = 0.0
     for j in range(waves.shape[0]):
         height += waves[j, AMPLITUDE]
-    if height == 0.0:
-        return 1.0, zero(position)
     s = (position[len(position) - 1] - surface) / (TAPER * height)
     if s <= 0.0:
         return 1.0, zero(position)
