@@ -49,8 +49,13 @@ class Record:
     @property
     def followed(self) -> np.ndarray:
         """Path (rows, 3) to compare with finer runs', m: of the lower end or, where that is held and cells are equal, of the middle."""
-        end, solver = self.scene.lower_end, self.scene.solver
-        return self.middle if end.anchored and not end.released and solver.grading == 1.0 else self.body
+        return self.middle if self.held else self.body
+
+    @property
+    def held(self) -> bool:
+        """Whether the middle is followed, as the lower end stays where it is."""
+        end = self.scene.lower_end
+        return end.anchored and not end.released and self.scene.solver.grading == 1.0
 
     @property
     def body(self) -> np.ndarray:

@@ -83,7 +83,7 @@ def picture_name(key: str) -> str:
 
 
 def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
-    """Top tension, path and shapes of the lower end, and the energy excess of the first runs of a case."""
+    """Top tension, the path that is compared, shapes and the energy excess of the first runs of a case."""
     path.parent.mkdir(parents=True, exist_ok=True)
     shown = [v for v in verdicts if len(v.run.times) > 2]
     judged = [v for v in shown if v.variant.judged]
@@ -93,7 +93,7 @@ def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
         run = verdict.run
         thin = slice(None, None, max(1, len(run.times) // 2000))
         axes["tension"].plot(run.times[thin], run["top.tension"][thin] / (run.weight or 1.0), linewidth=0.8, label=verdict.variant.label)
-        axes["path"].plot(run.body[thin, 0], run.body[thin, 2], linewidth=0.6)
+        axes["path"].plot(run.followed[thin, 0], run.followed[thin, 2], linewidth=0.6)
         if len(run.excess):
             scale = max(run.weight, 1e-3 * float(run["top.tension"].max())) * run.scene.cable.length
             axes["energy"].plot(run.times[thin], run.excess[thin] / scale, linewidth=0.8)
@@ -104,7 +104,7 @@ def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
         axes["tension"].legend(fontsize=6)
     axes["tension"].set(xlabel="time [s]", ylabel="top tension / W")
     axes["energy"].set(xlabel="time [s]", ylabel="(energy - start - work) / W L")
-    axes["path"].set(xlabel="x [m]", ylabel="z [m]", title="path of the lower end")
+    axes["path"].set(xlabel="x [m]", ylabel="z [m]", title=f"path of the {'middle' if shown and shown[0].run.held else 'lower end'}")
     axes["shape"].set(xlabel="x [m]", ylabel="z [m]", title="shapes of the first run")
     for axis in axes.values():
         axis.grid(alpha=0.3)
