@@ -103,11 +103,14 @@ def _weight(scene: Scene) -> float:
 
 
 def record(scene: Scene, step: float | None = None, duration: float | None = None, watch: bool = True) -> Record:
-    """Run a scene with communication steps of `step` (default: the solver's own) over `duration`; never raises SolverError."""
+    """Run a scene with communication steps of `step` (default: the solver's own) over `duration`; never raises SolverError.
+
+    watch: keep the balances and the geometry; what the audit does not have, as winches, is refused then.
+    """
     step = scene.solver.time_step if step is None else step
     duration = scene.run.duration if duration is None else duration
     motion = top_motion(scene.top, scene.winch)
-    audited = scene.solver.grid == "staggered"
+    audited = watch and scene.solver.grid == "staggered"
     model = CableChain(with_values(scene, {"solver.audit": audited}))
     watcher = _Watch(model, motion)
     outputs = output_steps(duration, step)
@@ -137,7 +140,7 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     seconds = clock.process_time() - begun
     rows = rows or [np.zeros(len(OUTPUTS))]
     table = np.array(rows)
-    excess = table[:, OUTPUTS.index("audit.energy")] if audited and watch else np.zeros(0)
+    excess = table[:, OUTPUTS.index("audit.energy")] if audited else np.zeros(0)
     return Record(
         scene, _weight(scene), np.array(times[: len(rows)]), table, excess, np.array(watcher.drift),
         watcher.top_error, watcher.arc_error, np.array(substeps[: len(rows)]), error, seconds, shapes,
