@@ -10,12 +10,13 @@ import pytest
 from chain_support import drive, every, make, septic, still, view
 from scipy.optimize import brentq
 
+from cable_model import CableChain, simulate
 from cable_model.errors import ParameterError
-from cable_model.hard.record import record
 from cable_model.kernels import friction
+from cable_model.kernels.audit import BED_WORK
 from cable_model.kernels.seabed import Ground
 from cable_model.kernels.staggered_step import Gains
-from cable_model.scene import from_dict
+from cable_model.scene import from_dict, with_values
 from cable_model.tow_cable import TowCable
 
 pytestmark = pytest.mark.shipped
@@ -131,12 +132,15 @@ def test_friction_takes_half_the_work_of_a_drag_and_gives_none_back():
             {"kind": "ramp", "axis": "x", "velocity": -0.02, "start": 15.0, "duration": 10.0},
         ]}, "run": {"duration": 30.0}}
     )  # fmt: skip
-    run = record(scene)
-    lost = -run.excess
+    model = CableChain(with_values(scene, {"solver.audit": True, "run.output_step": 0.05}))
+    by_bed: list[float] = []
+    run = simulate(model, keep=lambda _: by_bed.append(float(model.state[BED_WORK])))
+    lost = -np.array(by_bed)
     half_cell = FRICTION * 1.0  # N, of the top's
     taken = first_integral(PULL) * PULL / 3.0 - half_cell * PULL
     assert lost[-1] == pytest.approx(taken, rel=0.01)
     assert np.diff(lost).min() > -1e-5 * taken
+    assert np.max(np.abs(run["audit.energy"])) < 1e-3 * taken
 
 
 @pytest.mark.parametrize("like", [(0.0, 0.0), (0.0, 0.0, 0.0)], ids=["plane", "space"])
