@@ -63,6 +63,15 @@ def _two_bottoms(scene: Any) -> Iterator[str]:
         )
 
 
+def under_a_given_motion(scene: Any) -> Iterator[str]:
+    """What a run makes nothing of, as its motion of the top is known ahead."""
+    if scene.host.mass > 0.0:
+        yield (
+            f"host.mass = {scene.host.mass:g} kg in a run whose top moves as the scene says: it changes nothing. "
+            "Set host.mass = 0, or couple the host that has it by the FMU."
+        )
+
+
 def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[str]:
     """What the static equilibrium, with these outputs in the order of signals.OUTPUTS, makes doubtful."""
     cable = scene.cable

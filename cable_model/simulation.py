@@ -10,6 +10,7 @@ from typing import TextIO
 import numpy as np
 
 from cable_model.audit import Audit
+from cable_model.doubts import under_a_given_motion
 from cable_model.driving import follow, output_steps
 from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.model import Model
@@ -141,6 +142,9 @@ def simulate(
         if keep is not None:
             keep(row)
 
+    def told() -> tuple[str, ...]:
+        return *model.warnings(), *under_a_given_motion(scene)
+
     start = motion(0.0, 1)
     model.initialize(start)
     record(0.0, start, model.outputs[_MEANS])
@@ -151,5 +155,5 @@ def simulate(
             if progress is not None:
                 progress(output.end)
     except SolverError as error:
-        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings(), model.audit)) from error
-    return Result(COLUMNS, np.array(rows), np.array(shapes), model.warnings(), model.audit)
+        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), told(), model.audit)) from error
+    return Result(COLUMNS, np.array(rows), np.array(shapes), told(), model.audit)

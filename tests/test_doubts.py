@@ -138,6 +138,14 @@ def test_a_run_and_the_command_line_tell_them_and_the_numbers_are_the_same(tmp_p
     assert "warning" not in done.stdout
 
 
+def test_a_mass_of_the_host_under_a_given_motion_is_told():
+    scene = with_values(load("dale_sphere"), {"host.mass": 500.0, "run.duration": 1.0})
+    (text,) = simulate(TowCable(scene)).warnings
+    assert text.startswith("host.mass = 500 kg in a run whose top moves as the scene says: it changes nothing. ")
+    assert FORM.fullmatch(text)
+    assert not simulate(TowCable(with_values(scene, {"host.mass": 0.0}))).warnings
+
+
 @pytest.mark.parametrize("name", [name for name in shipped() if "/" not in name])
 def test_shipped_scenes_leave_no_doubt(name: str):
     scene = load(name)
