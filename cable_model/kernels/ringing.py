@@ -5,7 +5,7 @@ line through the two steps before, leave the smooth motion out.  A host that rin
 over a step, it is taken to hold the one that the kinks of its accelerations go with best.  The energy that the exchange then makes of
 kinks, in a window, over that of the kinks of the force in the cable (their mean square times L/EA) is twice a rate of growth.  It is taken
 as the host moves and as the top does, and the larger one counts: where steps are long, each misses what happens within them.  A host whose
-motion is given feeds a cable too, with what its inputs do not resolve; it follows no force, though short irregular motions may seem to.  The
+motion is given feeds a cable too, with what its inputs do not resolve; it follows no force, but short irregular motions may seem to.  The
 slow swing of a vessel on the cable's own spring has no kinks, and is not seen.  Nothing here changes a number of the model.
 """
 
