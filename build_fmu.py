@@ -138,6 +138,15 @@ def _pack(entries: dict[str, bytes], to: Path) -> None:
         to.write_bytes(buffer.getvalue())
 
 
+def _prepare() -> None:
+    """Compile the kernels of both models at the same time."""
+    if importlib.util.find_spec("fmu_src.native"):
+        from fmu_src.native.object_code import can_export, prepare_generic
+
+        if can_export():
+            prepare_generic()
+
+
 def _object_code(model: str, scene: Scene) -> tuple[bytes, Sequence[Variant]]:
     """The kernels compiled for the scene's effects, or for those of the generic scene; none, with a line on stderr, where that fails."""
     if importlib.util.find_spec("fmu_src.native") is None:
@@ -237,6 +246,8 @@ def main(
             made = [build(key, baked, target, precompile=precompile), *made]
         else:
             dist = output or Path("dist")
+            if precompile or native is not False:
+                _prepare()
             made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS]
             made += native_build.build_all(dist / "native") if native is not False else []
         for path in made:

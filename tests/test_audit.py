@@ -6,7 +6,7 @@ import io
 
 import numpy as np
 import pytest
-from chain_support import HANGING, SECOND_MODE, SHORT_BENDING, WEIGHT, WIRE, Motion, energy, every, make, still, swing
+from chain_support import HANGING, SECOND_MODE, SHORT_BENDING, WEIGHT, WIRE, Motion, energy, every, make, still, swing, view
 from test_communication_steps import random_steps
 
 from cable_model import cli
@@ -35,6 +35,9 @@ MOORED = {
     "top": {"position": [8.6, 0.0, -0.5]},
     "solver": {"nodes": 11, "time_step": 0.02},
 }
+
+THROWN = {"cable": {"length": 200.0, "mass_per_length": 3.0, "axial_stiffness": 1e6}, "body": {"mass": 1000.0}}
+THROW = swing((0.0, 0.0, 8.0), 1.5, ramp_time=2.0)
 
 
 def largest(model: CableChain, motion: Motion, steps: np.ndarray) -> Audit:
@@ -92,12 +95,38 @@ def test_what_is_missing_falls_with_the_square_of_the_step(kind):
 
 def test_a_snap_without_damping_is_missing_less_with_shorter_steps():
     """A payload that is thrown up on its line and falls into it again; nothing damps it."""
-    thrown = {"cable": {"length": 200.0, "mass_per_length": 3.0, "axial_stiffness": 1e6}, "body": {"mass": 1000.0}}
-    throw = swing((0.0, 0.0, 8.0), 1.5, ramp_time=2.0)
     changes = {"solver__lambda_infinity": -1.0, "solver__slack_damping": 0.0, "solver__slack_smoothing": 0.3, "solver__nodes": 3}
-    coarse, fine = (audited(thrown, throw, h, 5.0, **changes) for h in (0.02, 0.01))
+    coarse, fine = (audited(THROWN, THROW, h, 5.0, **changes) for h in (0.02, 0.01))
     assert fine.energy_share < 1e-3
     assert np.log2(coarse.energy / fine.energy) > 1.8
+
+
+def test_a_snap_with_the_usual_smoothing_closes():
+    changes = {"solver__lambda_infinity": -1.0, "solver__slack_damping": 0.0, "solver__nodes": 5}
+    coarse, fine = (audited(THROWN, THROW, h, 5.0, **changes) for h in (0.02, 0.01))
+    assert fine.energy_share < 5e-3
+    assert np.log2(coarse.energy / fine.energy) > 1.8
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 5e7])
+@pytest.mark.parametrize(("lam", "damping"), [(-1.0, 0.0), (-0.9, 0.1), (-0.5, 0.1)])
+def test_what_is_taut_pulls_as_its_law_says_in_every_step_of_a_snap(lam, damping, stiffness):
+    """A step may weigh the strains at its ends as it likes: a cell that is taut at both pulls at least as the smaller one asks.
+
+    Below a fifth of the weight that hangs in it, 3.1 kN at the top, the damping of what is nearly slack takes its part.
+    """
+    changes = {"solver__lambda_infinity": lam, "solver__slack_damping": damping, "cable__axial_stiffness": stiffness}
+    model = make(THROWN, solver__time_step=0.01, solver__nodes=9, **changes)
+    model.initialize(THROW(0.0))
+    cells = view(model)
+    snaps = 0
+    for k in range(500):
+        before = np.linalg.norm(cells.y[:8], axis=1)
+        model.advance(0.01 * k, 0.01, THROW(0.01 * k), THROW(0.01 * k + 0.01))
+        least = stiffness * (np.minimum(before, np.linalg.norm(cells.y[:8], axis=1)) - 1.0)
+        snaps += least.max() > 30e3
+        assert np.all((cells.force >= 0.99 * least) | (least < 3.1e3))
+    assert snaps > 3
 
 
 def dragged(step: float) -> Audit:

@@ -17,6 +17,7 @@ fall within a strain of FADED W/EA, where C e' is much more than W in a stiff ca
 from cable_model.kernels.jit import kernel
 
 HELD = 2.0  # T_c over EI/h^2: half of what buckles the mesh from cell to cell, so that no shape that the mesh resolves reaches the floor
+UNBENT = 0.01  # of w0: what Newton's method may leave of the barrier's curvature when it stops
 FADED = 0.2  # of the weight below, all of which a cable carries where it hangs at rest: nearly slack is what has lost most of it
 
 
@@ -120,12 +121,18 @@ def iterate(slack, smoothing, f, force):
 
 @kernel
 def step_tension(slack, smoothing, force, change):
-    """Tension after a Newton change; with slack it stays positive.  Also whether that cut the change by more than a trifle."""
+    """Tension after a Newton change; with slack it stays positive.  Also whether another iteration is needed for it.
+
+    It is where the change was cut by more than a trifle, or where the barrier's curvature alone, which the linearised law leaves out,
+    would move the tension by more than UNBENT of the law's width: at the end of slack that is a snap which velocities do not show yet.
+    """
     if slack is None:
         return force + change, False
     if change < -0.999 * force:
         return 0.001 * force, force > 1e-5 * smoothing
-    return force + change, False
+    new = force + change
+    left_out = (0.5 * smoothing * change / force) ** 2 / new  # of w0^2/(4 T): its value at `new` minus its tangent's
+    return new, left_out * new * new > UNBENT * smoothing * (new * new + 0.25 * smoothing * smoothing)
 
 
 @kernel

@@ -2,11 +2,12 @@
 
 numba writes each entry as LLVM code, not optimized, in a process of its own (`python -m fmu_src.native.export < request.json`): the
 just-in-time compiler elsewhere is not disturbed, and entries are compiled side by side.  They are freed of reference counts (every array
-is the C layer's), linked, and optimized as one module, which keeps what they have in common once.
+is the C layer's), optimized there, and linked as one module, which keeps what they have in common once.
 """
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import re
@@ -36,6 +37,7 @@ from fmu_src.entries import (
 )  # fmt: skip
 
 ROOT = Path(__file__).resolve().parents[2]
+_PROCESSES = ThreadPoolExecutor(os.cpu_count())  # waits for so many at a time, of all exports together
 LONGEST = 1800  # s, of an export; two variants take a few minutes
 ENVIRONMENT = {
     "NUMBA_CPU_NAME": "x86-64",
@@ -206,6 +208,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     from numba.core.registry import cpu_target
 
     from cable_model.effects import NUMBERS
+    from fmu_src.native import presence
 
     kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
     arguments = tuple(kinds[kind] for kind in "iddipnppipipipip")  # as ENTRY
@@ -217,9 +220,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     typing_context.refresh()
     target_context.refresh()
     made = compiler.compile_extra(typing_context, target_context, entry, arguments, types.int64, flags, {})
-    if not made.library._finalized:
-        made.library.finalize()
-    return made.fndesc.llvm_func_name, made.library._final_module
+    return made.fndesc.llvm_func_name, presence.whole(made.library)
 
 
 def _alone(symbol: str, module: Any, name: str) -> bytes:
@@ -245,21 +246,38 @@ def _alone(symbol: str, module: Any, name: str) -> bytes:
     return bitcode
 
 
-def _optimized(modules: Sequence[bytes]) -> bytes:
-    """One object file with the entries of the modules."""
+def _machine() -> Any:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
+    return target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
+
+
+def _optimized(bitcode: bytes) -> bytes:
+    """Bitcode of a module, optimized."""
+    import llvmlite.binding as llvm
+
+    module = llvm.parse_bitcode(bitcode)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    builder = llvm.create_pass_builder(_machine(), tuning)
+    builder.getModulePassManager().run(module, builder)
+    made: bytes = module.as_bitcode()
+    return made
+
+
+def _object_file(modules: Sequence[bytes]) -> bytes:
+    """One object file with the entries of the modules; what they have in common is there once."""
+    import llvmlite.binding as llvm
+
+    machine = _machine()
     module = llvm.parse_assembly("")
     for bitcode in modules:
         module.link_in(llvm.parse_bitcode(bitcode))
-    target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
-    machine = target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
-    tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
-    builder = llvm.create_pass_builder(machine, tuning)
-    passes = builder.getModulePassManager()
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    passes = llvm.create_new_module_pass_manager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
     own = [value for value in (*module.functions, *module.global_variables) if value.linkage.name == "internal"]
@@ -268,7 +286,8 @@ def _optimized(modules: Sequence[bytes]) -> bytes:
     wanted = {value.name for value in module.functions if value.is_declaration and not value.name.startswith("llvm.")}
     if wanted - {*EXTERNAL}:
         raise ValueError(f"kernels call {sorted(wanted - {*EXTERNAL})}. Add what libc and libm have to entries.EXTERNAL.")
-    return machine.emit_object(module)
+    made: bytes = machine.emit_object(module)
+    return made
 
 
 def export(model: str, variants: Sequence[Variant]) -> bytes:
@@ -280,8 +299,7 @@ def export(model: str, variants: Sequence[Variant]) -> bytes:
 
     kernels = source_hash()
     requests = [{"model": model, "variant": dict(variant), "name": f"kernel_{k}", "kernels": kernels} for k, variant in enumerate(variants)]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return _optimized(list(pool.map(_bitcode, requests)))
+    return _object_file(list(_PROCESSES.map(_bitcode, requests)))
 
 
 def _bitcode(request: Mapping[str, Any]) -> bytes:
@@ -302,6 +320,7 @@ def _bitcode(request: Mapping[str, Any]) -> bytes:
 def main() -> None:
     from fmu_src.native import presence
 
+    gc.disable()  # numba makes many objects, and little garbage
     presence.take_over()
     from cable_model.kernels import jit
     from cable_model.models import MODELS
@@ -311,7 +330,7 @@ def main() -> None:
         raise SystemExit("the kernels' sources have changed since the process that asks was started. Start it again.")
     kernels = MODELS[request["model"]].kernels()
     symbol, module = _compile(_entry(kernels, request["variant"]))
-    sys.stdout.buffer.write(_alone(symbol, module, request["name"]))
+    sys.stdout.buffer.write(_optimized(_alone(symbol, module, request["name"])))
 
 
 if __name__ == "__main__":

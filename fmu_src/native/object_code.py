@@ -8,6 +8,7 @@ import json
 import platform
 import sys
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from cable_model.effects import CHAIN, TOW, variant
@@ -37,6 +38,13 @@ GENERIC: dict[str, tuple[Variant, ...]] = {
 def can_export() -> bool:
     """Whether this machine is of the kind that the object code is for."""
     return sys.platform == "linux" and platform.machine() == "x86_64"
+
+
+def prepare_generic() -> None:
+    """Compile what the generic FMUs of all models ship side by side; what fails here fails again, and is told, where it is asked for."""
+    with ThreadPoolExecutor(len(GENERIC)) as pool:
+        for model, variants in GENERIC.items():
+            pool.submit(object_code, model, variants)
 
 
 def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:

@@ -5,7 +5,7 @@ bit-identical.  Import this before any kernel: it takes the place of the decorat
 """
 
 from numba import njit, types
-from numba.core import codegen
+from numba.core import codegen, cpu
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.typing.templates import AbstractTemplate, infer, signature
 from numba.extending import lower_builtin, overload
@@ -58,11 +58,25 @@ def _item_of_optional_tuple(context, builder, sig, args):
     return impl_ret_borrowed(context, builder, sig.return_type, builder.extract_value(holder.data, args[1]))
 
 
-class _NeverRun(codegen.JITCodeLibrary):
-    """LLVM code only: nothing is called in this process, where code for this machine would take most of the time."""
+class Apart(codegen.JITCodeLibrary):
+    """LLVM code of one function, neither optimized nor linked nor made executable: nothing is called in this process."""
 
-    def _finalize_specific(self) -> None:
-        """Leave out what makes it executable."""
+    def finalize(self) -> None:
+        """Leave it as it is."""
+        self._finalized = True
+
+
+def whole(library):
+    """LLVM module of a library and of all that it calls, each linked once."""
+    module = library._final_module
+    for called in jit.callers_first(library)[1:]:
+        module.link_in(called._get_module_for_linking())
+    return module
+
+
+def _no_executable(context, library, fndesc, env):
+    """Instead of machine code, the object by which numba knows a compiled function."""
+    return jit.unrun(library, fndesc, env)
 
 
 def take_over() -> None:
@@ -71,4 +85,5 @@ def take_over() -> None:
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence
-    codegen.JITCPUCodegen._library_class = _NeverRun
+    codegen.JITCPUCodegen._library_class = Apart
+    cpu.CPUContext.get_executable = _no_executable  # type: ignore[method-assign]
