@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from cable_model import cli_docs, cli_studies
+from cable_model import __version__, cli_docs, cli_studies
 from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, warn, words_of
 from cable_model.comparison import Difference, compare, remarks
 from cable_model.errors import ParameterError, SolverError, unknown
@@ -24,12 +24,23 @@ from cable_model.scene import Scene, shipped, with_values
 from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
 from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simulate, write_csv
 
-app = typer.Typer(
-    add_completion=False, no_args_is_help=True, rich_markup_mode=None, help="Underwater and hanging cables under a moving top end."
-)
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 SceneArgument = Annotated[
     str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(name for name in shipped() if "/" not in name))
 ]
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        say(f"cable-fmu {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _main(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="show the version and leave")] = False,
+) -> None:
+    """Underwater and hanging cables under a moving top end."""
 
 
 class Choice(StrEnum):

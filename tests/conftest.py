@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import functools
-import importlib.util
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numba
@@ -18,10 +15,11 @@ from native_support import KEYS
 
 from cable_model.model import Model
 from cable_model.models import MODELS
+from fmu_src.build import build as build_fmu
+from fmu_src.interface import generic_scene
 from fmu_src.native import build, object_code
+from fmu_src.native.build import IDENTIFIERS
 from fmu_src.precompiled import ObjectCode
-
-ROOT = Path(__file__).resolve().parent.parent
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -61,20 +59,10 @@ def _on_shipped_code(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.fixture(scope="session")
-def build_fmu() -> ModuleType:
-    """The top-level script build_fmu.py as a module."""
-    spec = importlib.util.spec_from_file_location("build_fmu", ROOT / "build_fmu.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["build_fmu"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-@pytest.fixture(scope="session")
-def fmus(build_fmu: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
     """The generic FMUs of both models, by the model's key."""
     folder = tmp_path_factory.mktemp("fmus")
-    made = {key: build_fmu.build(key, build_fmu.generic_scene(), folder / f"{build_fmu.IDENTIFIERS[key]}.fmu") for key in MODELS}
+    made = {key: build_fmu(key, generic_scene(), folder / f"{IDENTIFIERS[key]}.fmu") for key in MODELS}
     return {key: Fmu(path, folder / key) for key, path in made.items()}
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -19,16 +18,17 @@ from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate, write_csv
 from fmu_src import trial
+from fmu_src.build import build as build_fmu
 
 CIRCLE = with_values(load("dale_sphere"), {"run.duration": 12.0})
 
 
 @pytest.fixture(scope="module")
-def checked(build_fmu: ModuleType, tmp_path_factory: pytest.TempPathFactory):
+def checked(tmp_path_factory: pytest.TempPathFactory):
     """A TowCable FMU of a scene, and the command that checks it under that scene's motion."""
     folder = tmp_path_factory.mktemp("checked")
     (folder / "circle.toml").write_text(to_toml(CIRCLE), encoding="utf-8")
-    fmu = build_fmu.build("tow", CIRCLE, folder / "Circle.fmu", precompile=False)
+    fmu = build_fmu("tow", CIRCLE, folder / "Circle.fmu", precompile=False)
 
     def check(reference: Path, *options: str, scene: bool = True):
         motion = ["--scene", str(folder / "circle.toml")] if scene else []

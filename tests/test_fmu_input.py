@@ -7,13 +7,13 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 from fmu_support import ERROR, FMICallException, Fmu, recovers, refused, started, sway, undisturbed_runs
 
 from cable_model.signals import INPUTS
+from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene
 from fmu_src.state import SavedState, StateError, pack, unpack
 
@@ -270,8 +270,8 @@ def test_a_state_that_was_changed_is_refused(fmu: Fmu, undisturbed: dict[str, np
     recovers(instance, undisturbed[fmu.path.stem])
 
 
-def test_a_state_of_another_fmu_is_refused(fmus: dict[str, Fmu], build_fmu: ModuleType, tmp_path: Path, capfd: pytest.CaptureFixture):
-    other = Fmu(build_fmu.build("chain", generic_scene(), tmp_path / "Other.fmu"), tmp_path / "x").instance()
+def test_a_state_of_another_fmu_is_refused(fmus: dict[str, Fmu], tmp_path: Path, capfd: pytest.CaptureFixture):
+    other = Fmu(build_fmu("chain", generic_scene(), tmp_path / "Other.fmu"), tmp_path / "x").instance()
     other.initialize()
     data = other.slave.serializeFMUstate(other.slave.getFMUstate())
     instance = started(fmus["chain"])

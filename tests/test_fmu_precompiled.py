@@ -8,7 +8,6 @@ import subprocess
 import sys
 import zipfile
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -19,6 +18,7 @@ from cable_model.models import MODELS
 from cable_model.scene import load
 from cable_model.simulated import parts_of
 from fmu_src import precompiled
+from fmu_src.build import build as build_fmu
 from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
 from fmu_src.interface import generic_scene, scene_from_values
 from fmu_src.native import object_code
@@ -80,9 +80,9 @@ def test_an_fmu_steps_without_numba_and_gives_what_the_library_gives(fmu: Fmu, v
     assert_same(np.array(found["rows"]), library(KEYS[fmu.path.stem], values, 10))
 
 
-def test_a_baked_scene_ships_exactly_its_own_parts(build_fmu: ModuleType, tmp_path: Path):
+def test_a_baked_scene_ships_exactly_its_own_parts(tmp_path: Path):
     scene = load("dale_sphere")
-    path = build_fmu.build("tow", scene, tmp_path / "Sphere.fmu")
+    path = build_fmu("tow", scene, tmp_path / "Sphere.fmu")
     found = in_a_new_process(path, {})
     assert found["loaded"] == ["llvmlite"]
     assert_same(np.array(found["rows"]), steps_of(MODELS["tow"](scene), 10))
@@ -208,13 +208,13 @@ def test_an_fmu_without_object_code_says_so():
 
 
 def test_an_export_that_fails_leaves_an_fmu_without_object_code_and_a_line_on_stderr(
-    build_fmu: ModuleType, fmus: dict[str, Fmu], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    fmus: dict[str, Fmu], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ):
     def broken(model: str, variants: object) -> bytes:
         raise ExportError("the export of the kernels failed:\nsome reason")
 
-    monkeypatch.setattr(object_code, "object_code", broken)
-    path = build_fmu.build("tow", generic_scene(), tmp_path / "TowCable.fmu")
+    monkeypatch.setattr("fmu_src.build.object_code", broken)
+    path = build_fmu("tow", generic_scene(), tmp_path / "TowCable.fmu")
     lines = "the export of the kernels failed:\nsome reason\nNo object code in the FMU: numba compiles the kernels where it runs.\n"
     assert capsys.readouterr().err == lines
     with zipfile.ZipFile(path) as archive, zipfile.ZipFile(fmus["tow"].path) as other:

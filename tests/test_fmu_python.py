@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.parameters import Motion, Top
 from cable_model.signals import OUTPUTS
+from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene, scene_from_values
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -52,10 +52,10 @@ def library(fmu: Fmu, values: dict[str, object] | None = None):
 
 
 @pytest.mark.parametrize(("key", "name"), SCENES)
-def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(build_fmu: ModuleType, tmp_path: Path, key: str, name: str):
+def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(tmp_path: Path, key: str, name: str):
     """fmpy's own simulation loop, the library's steps; numba compiles the kernels (object code: test_fmu_precompiled.py)."""
     scene = lean(name, key)
-    path = build_fmu.build(key, scene, tmp_path / f"{name}.fmu", precompile=False)
+    path = build_fmu(key, scene, tmp_path / f"{name}.fmu", precompile=False)
     step, count = scene.run.output_step, 40
     times, inputs = sampled_motion(top_motion(scene.top), count * step, step)
     columns, table = simulate_fmu(path, times, inputs)

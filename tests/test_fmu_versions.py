@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 
 import fmpy
 import numpy as np
@@ -20,6 +19,7 @@ from fmu_support import (
 
 from cable_model.signals import INPUTS
 from fmu_src import staging
+from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene, table
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -45,9 +45,9 @@ def numbers_of(scene):
     return folder
 
 
-def test_two_versions_live_in_one_process(build_fmu: ModuleType, fmus: dict[str, Fmu], tmp_path: Path):
+def test_two_versions_live_in_one_process(fmus: dict[str, Fmu], tmp_path: Path):
     root = changed_sources(tmp_path / "sources", 2.0)
-    other = Fmu(build_fmu.build("chain", generic_scene(), tmp_path / "CableChain.fmu", root), tmp_path / "x")
+    other = Fmu(build_fmu("chain", generic_scene(), tmp_path / "CableChain.fmu", root), tmp_path / "x")
     assert other.description.guid != fmus["chain"].description.guid
     one, two = fmus["chain"].instance(), other.instance()
     one.initialize()
