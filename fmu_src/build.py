@@ -221,6 +221,7 @@ def main(
         if date:
             os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         made: list[Path] = []
+        tried: dict[str, Path] = {}  # those that run Python, by model
         if scene:
             baked = load_scene(scene)
             key = model or baked.run.model
@@ -229,17 +230,18 @@ def main(
             target = output or Path("dist") / f"{Path(scene).stem}.fmu"
             if native:  # first: it may refuse the scene
                 made = [native_build.build_native(key, target.parent / "native" / target.name, baked)]
-            made = [build(key, baked, target, precompile=precompile), *made]
+            tried = {key: build(key, baked, target, precompile=precompile)}
+            made = [*tried.values(), *made]
         else:
             dist = output or Path("dist")
             if can_export() and (precompile or native is not False):
                 prepare_generic()
-            made = [build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS]
-            made += native_build.build_all(dist / "native") if native is not False else []
+            tried = {key: build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS}
+            made = [*tried.values(), *(native_build.build_all(dist / "native") if native is not False else ())]
         for path in made:
             typer.echo(f"{path}  {path.stat().st_size} bytes")
         if simulate:
-            results = trial.simulate({path.stem: path for path in made[: len(MODELS)]}, simulate, Path("results"))
+            results = trial.simulate(tried, simulate, Path("results"))
             console.print(summary(results))
             typer.echo("CSV files and a picture are in results/")
     except (ParameterError, SolverError, ExportError) as error:

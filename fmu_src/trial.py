@@ -23,18 +23,18 @@ def _ends(run: Result) -> np.ndarray:
 
 
 def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[str, Result]:
-    """Simulate FMUs, by their types' names, under the scene's top motion; writes CSV files and a picture to `folder`.
+    """Simulate FMUs, by the keys of their models, under the scene's top motion; writes CSV files and a picture to `folder`.
 
-    Parameters are the scene's values that the FMU's model has a use for.
+    Parameters are the scene's values that the FMU's model has a use for.  Results go by the models' names.
     """
     scene = load(scene_name)
-    keys = {kind.__name__: key for key, kind in MODELS.items()}
     times, inputs = sampled_motion(top_motion(scene.top, scene.winch), scene.run.duration, scene.run.output_step)
     stem = Path(scene_name).stem
     folder.mkdir(parents=True, exist_ok=True)
     results = {}
-    for name, path in fmus.items():
-        asked = [row for row in table(scene) if row.causality == "parameter" and keys[name] in used_by(row.scene_name)]
+    for key, path in fmus.items():
+        name = MODELS[key].__name__
+        asked = [row for row in table(scene) if row.causality == "parameter" and key in used_by(row.scene_name)]
         columns, numbers = simulate_fmu(path, times, inputs, {row.name: row.start for row in asked})
         run = Result(columns, numbers, np.empty((0, 0, 3)))
         results[name] = Result(columns, numbers, _ends(run))

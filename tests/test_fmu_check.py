@@ -93,7 +93,7 @@ def test_recorded_rows_give_back_the_motion_between_them():
 
 def test_the_first_command_of_the_readme_simulates_both_models(fmus: dict[str, Fmu], tmp_path):
     """Each with the values of the scene that its model has a use for; both hang the sphere at the end of 2.74 m."""
-    found = trial.simulate({fmu.path.stem: fmu.path for fmu in fmus.values()}, "dale_sphere", tmp_path)
+    found = trial.simulate({key: fmu.path for key, fmu in fmus.items()}, "dale_sphere", tmp_path)
     assert sorted(found) == ["CableChain", "TowCable"]
     for run in found.values():
         assert run["time"][-1] == 120.0

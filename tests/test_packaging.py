@@ -1,0 +1,40 @@
+"""What pip installs: the command, and a wheel that needs nothing of the repository."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import zipfile
+from importlib.metadata import entry_points, version
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+RUN = "import sys; from fmu_src.command import main; print(sys.modules['fmu_src'].__file__); main()"
+
+
+def test_pip_puts_a_command_beside_python_that_builds_too():
+    (command,) = entry_points(group="console_scripts", name="cable-fmu")
+    assert command.value == "fmu_src.command:main"
+    shown = [subprocess.run([Path(sys.executable).parent / "cable-fmu", word], capture_output=True, text=True, check=True).stdout
+             for word in ("--version", "--help")]  # fmt: skip
+    assert shown[0] == f"cable-fmu {version('cable-fmu')}\n"
+    assert all(name in shown[1] for name in ("run ", "build ", "--install-completion"))
+
+
+@pytest.mark.long
+def test_a_wheel_builds_an_fmu_in_an_empty_folder(tmp_path: Path):
+    subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path, ROOT], check=True, timeout=600)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path / "site")
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    command = [sys.executable, "-c", RUN, "build", "dale_sphere", "-o", "My.fmu", "--model", "tow", "--native", "--simulate", "dale_sphere"]
+    done = subprocess.run(command, cwd=empty, env={"PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "PYTHONPATH": str(tmp_path / "site")},
+                          capture_output=True, text=True, check=False, timeout=1200)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert str(tmp_path / "site") in done.stdout.splitlines()[0]
+    assert {path.name for path in empty.rglob("*.fmu")} == {"My.fmu"}
+    assert len(list(empty.rglob("*.fmu"))) == 2
