@@ -64,11 +64,8 @@ def _alone(lock: Path) -> Iterator[None]:
         yield
 
 
-def object_code(model: str, variants: Sequence[Variant]) -> bytes:
-    """Entries kernel_0, kernel_1, ... of the variants as an object file; kept in the user's cache by the content of all that makes it.
-
-    Raises ExportError where the export fails.
-    """
+def place(model: str, variants: Sequence[Variant]) -> Path:
+    """Where the object code of these variants is kept, in the user's cache, by the content of all that makes it."""
     import llvmlite
     import numba
     import platformdirs
@@ -78,7 +75,15 @@ def object_code(model: str, variants: Sequence[Variant]) -> bytes:
     made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants))]
     made_from += [(_ROOT / path).read_text(encoding="utf-8") for path in _MADE_BY]
     name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
-    path = Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
+    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
+
+
+def object_code(model: str, variants: Sequence[Variant]) -> bytes:
+    """Entries kernel_0, kernel_1, ... of the variants as an object file, kept in the user's cache.
+
+    Raises ExportError where the export fails.
+    """
+    path = place(model, variants)
     if path.is_file():
         return path.read_bytes()
     try:
