@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check, bench, hard; the rest is in cli_studies and cli_docs."""
+"""The command line: run, plot, describe, compare, check; study, advise and sweep are in cli_studies."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from cable_model import __version__, cli_docs, cli_studies
-from cable_model.cli_console import check_output, console, fail, load_scene, progress, save, say, warn, words_of
+from cable_model import __version__, cli_studies
+from cable_model.cli_console import check_output, console, fail, load_scene, progress, say, warn, words_of
 from cable_model.comparison import Difference, compare, remarks
-from cable_model.errors import ParameterError, SolverError, unknown
+from cable_model.errors import ParameterError, SolverError
 from cable_model.kernel_cache import mended
 from cable_model.model import Model
 from cable_model.models import MODELS
@@ -288,99 +288,21 @@ def holding(found: list[Difference], held: list[Difference], left: list[Differen
     return words + "holding does not explain the difference."
 
 
-@app.command()
-def bench(
-    repetitions: Annotated[int, typer.Option(help="repetitions; medians are shown")] = 7,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown too")] = None,
-    case: Annotated[list[str] | None, typer.Option(help="rows by their names, the first one is the measure; default: all")] = None,
-    absent: Annotated[bool, typer.Option("--absent", help="time kernels without the code of absent effects beside")] = False,
-) -> None:
-    """Measure what each effect costs on this machine, switched on alone."""
-    from cable_model.benchmark import CASES, markdown, measure
-
-    check_output(output)
-    for name in case or []:
-        if name not in CASES:
-            raise unknown(name, CASES, "case")
-
-    table = Table(title="Cost of the chain's kernels, forced chain of 101 nodes")
-    for column in ("effects", "us per node and step", "iterations per step", "ratio to the bare chain"):
-        table.add_column(column, justify="left" if column == "effects" else "right")
-    costs = measure(case, repetitions)
-    for cost in costs:
-        table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
-    console.print(table)
-    proof = ""
-    if absent:
-        from cable_model.limits import absent as without
-
-        proof = without.sentence(without.measure(told=say))
-        say(proof)
-    if output is not None:
-        save(output, markdown(costs, proof))
-
-
-@app.command()
-def hard(
-    case: Annotated[list[str] | None, typer.Option(help="cases to run, such as H1; default: all")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="folder for the table and the pictures")] = Path("results/hard"),
-    jobs: Annotated[int, typer.Option(help="processes")] = 2,
-) -> None:
-    """Run the hard cases, judge each by the five rules, and write table and pictures; exit status 1 when one fails."""
-    from cable_model.hard import report, runner
-    from cable_model.hard.bad_input import bad_input
-
-    check_output(output, folder=True)
-    cases = runner.chosen(case or [])
-    if not cases and case != ["H15"]:
-        raise unknown(", ".join(case or []), [known.key for known in runner.CASES], "case")
-    order = {(chosen.key, variant.label): k for k, (chosen, variant) in enumerate((c, v) for c in cases for v in c.variants)}
-    verdicts: list[runner.Verdict] = []
-    table = Table(title="Hard cases")
-    for column in report.HEAD:
-        table.add_column(column)
-    with progress() as bar:
-        task = bar.add_task("hard cases", total=len(order))
-        for verdict in runner.run_all(cases, jobs):
-            verdicts.append(verdict)
-            done = [v for v in verdicts if v.case.key == verdict.case.key]
-            if len(done) == len(verdict.case.variants):  # kept, whatever comes after
-                done.sort(key=lambda v: order[v.case.key, v.variant.label])
-                report.draw(output / report.picture_name(verdict.case.key), done)
-            bar.update(task, advance=1, description=f"{verdict.case.key} {verdict.variant.label}")
-    verdicts.sort(key=lambda v: order[v.case.key, v.variant.label])
-    further = {c.key: runner.further(c, [v for v in verdicts if v.case is c or v.case.key == c.key]) for c in cases}
-    for verdict in verdicts:
-        table.add_row(*report.row(verdict))
-    console.print(table)
-    for key, findings in further.items():
-        for f in findings:
-            say(f"{key}: {'holds' if f.holds else 'FAILS'}: {f.words}: {f.value:.3g} (limit {f.limit:g})")
-    if not case or "H15" in case:
-        further["H15"] = bad_input()
-        say(f"H15: {sum(f.holds for f in further['H15'])} of {len(further['H15'])} bad inputs give one clear error")
-    report.write(output, verdicts, further)
-    say(f"wrote {output / 'README.md'}, table.csv and pictures")
-    failed = [v for v in verdicts if v.variant.judged and not v.passed]
-    if failed or any(not f.holds for findings in further.values() for f in findings):
-        raise typer.Exit(1)
-
-
-STUDIES = (
-    cli_studies.study, cli_studies.advise, cli_studies.sweep, cli_studies.published, cli_studies.peers, cli_studies.targets,
-    cli_studies.limits, cli_docs.docs,
-)  # fmt: skip
-for command in STUDIES:
+for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep):
     app.command()(command)
-app.command("advise-trial")(cli_studies.advise_trial)
 
 
-def main() -> None:
-    """Run the command line; the package's own errors end it with one clear line and exit status 2."""
+def guarded(commands: typer.Typer) -> None:
+    """Run a command line; the package's own errors end it with one clear line and exit status 2."""
     try:
         with mended():
-            app()
+            commands()
     except (ParameterError, SolverError) as error:
         fail(str(error))
     except OSError as error:
         fail(words_of(error))
+
+
+def main() -> None:
+    """Run the command line."""
+    guarded(app)

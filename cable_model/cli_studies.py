@@ -1,19 +1,17 @@
-"""The command line of accuracy and cost: study, advise and its trial, sweep, published, limits, peers, targets."""
+"""The command line of accuracy and cost: study, advise, sweep."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.progress import Progress, TaskID
 from rich.table import Table
 
 from cable_model.cli_console import check_output, console, load_scene, progress, save, say
-from cable_model.errors import ParameterError, refuse, unknown
+from cable_model.errors import ParameterError, refuse
 from cable_model.scene import to_toml
 from cable_model.studies.timed import SIGNALS, worst
 
@@ -39,15 +37,6 @@ def fraction(text: str) -> float:
     if not 0.0 < value < 1.0:
         raise refuse("accuracy", text, "", "between 0 and 100 %", "Give one such as 1% or 0.003.")
     return value
-
-
-def _teller(bar: Progress, task: TaskID, before: str = "") -> Callable[[str], None]:
-    """Shows what is being done beside the bar."""
-
-    def told(text: str) -> None:
-        bar.update(task, description=before + text)
-
-    return told
 
 
 def study(
@@ -129,32 +118,6 @@ def advise(
         save(output, to_toml(advice.scene))
 
 
-def advise_trial(
-    scene: Annotated[list[str] | None, typer.Option(help="scenes of the trial by their names; default: all")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="few settings of the study")] = False,
-) -> None:
-    """Try the adviser on ten scenes that it was not made with: accuracy against a finer run, cost against the full study."""
-    from cable_model.studies import advice_scenes, advice_trial
-
-    check_output(output)
-    names = scene or list(advice_scenes.SCENES)
-    for name in names:
-        if name not in advice_scenes.SCENES:
-            raise unknown(name, advice_scenes.SCENES, "scene of the trial")
-    rows = []
-    with progress() as bar:
-        task = bar.add_task("trial", total=len(names))
-        for name in names:
-            rows.append(advice_trial.trial(name, advice_scenes.scene(name), _teller(bar, task, f"{name}: "), quick))
-            bar.update(task, advance=1)
-            say(" | ".join(advice_trial.cells(rows[-1])))
-    if output is not None:
-        save(output, advice_trial.markdown(rows))
-    if not all(row.accurate and row.cheap for row in rows):
-        raise typer.Exit(1)
-
-
 def sweep(
     file: Annotated[Path, typer.Argument(help="a TOML file with `scene` and lists of values in [vary]")],
     output: Annotated[Path, typer.Option("-o", "--output", help="folder for the results; runs that are there are not repeated")] = Path(
@@ -184,73 +147,3 @@ def sweep(
     say(f"{len(summaries)} runs, {len(failed)} of them stopped early; wrote {output / 'table.csv'} and the series beside it")
     for summary in failed:
         say(f"stopped: {summary['key']}: {summary['error']}")
-
-
-def published(
-    only: Annotated[list[str] | None, typer.Option(help="studies by their names; default: all")] = None,
-    output: Annotated[Path, typer.Option("-o", "--output", help="folder for pictures, tables and README.md")] = Path("results/published"),
-    quick: Annotated[bool, typer.Option("--quick", help="few and short runs")] = False,
-) -> None:
-    """Compute the published figures and tables anew, and where the shortcuts hold; pictures, tables and an index."""
-    from cable_model.studies.published import catalogue
-
-    check_output(output, folder=True)
-    with progress() as bar:
-        task = bar.add_task("published", total=1.0)
-        written = catalogue.write_all(output, only or (), quick, lambda text, done: bar.update(task, description=text, completed=done))
-    for path in written:
-        say(f"wrote {path} and {path.with_suffix('.csv').name}")
-    say(f"wrote {output / 'README.md'}")
-
-
-def peers(
-    case: Annotated[list[str] | None, typer.Option(help="cases by their names; default: all")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="write the table as Markdown")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="one accuracy, and few segments of the other codes")] = False,
-) -> None:
-    """Compare cost at equal accuracy with MoorDyn and CableDyn (extra "peers")."""
-    from cable_model.peers import compare as comparing
-
-    check_output(output)
-    for name in case or []:
-        if name not in comparing.CASES:
-            raise unknown(name, comparing.CASES, "case")
-    accuracies, segments = comparing.ACCURACIES[: 1 if quick else None], comparing.SEGMENTS[: 2 if quick else None]
-    rows = []
-    with progress() as bar:
-        task = bar.add_task("peers", total=None)
-        for name in case or comparing.CASES:
-            rows += comparing.compare(name, accuracies, segments, _teller(bar, task, f"{name}: "))
-            if output is not None:  # every case that is done is kept
-                save(output, comparing.markdown(rows))
-    say(comparing.markdown(rows))
-
-
-def targets(
-    output: Annotated[Path, typer.Option("-o", "--output", help="the table to write, Markdown")] = Path("results/targets.md"),
-    quick: Annotated[bool, typer.Option("--quick", help="the free chain only")] = False,
-) -> None:
-    """Measure what the chain reaches in the cases of four other codes, at costs set beside theirs (extra "peers")."""
-    from cable_model.peers import targets as sought
-
-    check_output(output)
-    with progress() as bar:
-        task = bar.add_task("targets", total=None)
-        text = sought.markdown(sought.measure(quick, _teller(bar, task)))
-    say(text)
-    save(output, text)
-
-
-def limits(
-    output: Annotated[Path, typer.Option("-o", "--output", help="the note to write, Markdown")] = Path("results/limits.md"),
-    quick: Annotated[bool, typer.Option("--quick", help="the bare chain only")] = False,
-) -> None:
-    """Count the kernels' operations, time them, and set both beside what the machine can do."""
-    from cable_model.limits import report
-
-    check_output(output)
-    with progress() as bar:
-        task = bar.add_task("limits", total=None)
-        text = report.markdown(report.measure(quick, _teller(bar, task)))
-    say(text)
-    save(output, text)

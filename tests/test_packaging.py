@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import zipfile
@@ -23,12 +24,23 @@ def test_pip_puts_a_command_beside_python_that_builds_too():
     assert all(name in shown[1] for name in ("run ", "build ", "--install-completion"))
 
 
+def test_nothing_but_the_laboratory_knows_the_laboratory():
+    """It is not in the wheel."""
+    for package in ("cable_model", "fmu_src"):
+        for path in (ROOT / package).rglob("*.py"):
+            if "lab" not in path.relative_to(ROOT).parts:
+                assert "cable_model.lab" not in path.read_text(encoding="utf-8"), path
+    for path in (ROOT / "tests").glob("*.py"):
+        assert not re.search(r"(?m)^\s*(from|import) cable_model\.lab", path.read_text(encoding="utf-8")), path
+
+
 @pytest.mark.long
 def test_a_wheel_builds_an_fmu_in_an_empty_folder(tmp_path: Path):
     subprocess.run([sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", tmp_path, ROOT], check=True, timeout=600)
     (wheel,) = tmp_path.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(tmp_path / "site")
+    assert not (tmp_path / "site" / "cable_model" / "lab").exists()
     empty = tmp_path / "empty"
     empty.mkdir()
     command = [sys.executable, "-c", RUN, "build", "dale_sphere", "-o", "My.fmu", "--model", "tow", "--native", "--simulate", "dale_sphere"]

@@ -11,7 +11,8 @@ import numba
 import pytest
 
 HERE = Path(__file__).parent
-FILES = sorted(path.name for path in HERE.glob("test_*.py") if "mark.plain" in path.read_text(encoding="utf-8") and path != Path(__file__))
+TESTS = (path for path in HERE.rglob("test_*.py") if path != Path(__file__))
+FILES = sorted(str(path.relative_to(HERE)) for path in TESTS if "mark.plain" in path.read_text(encoding="utf-8"))
 
 
 @pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="this is such a process")
