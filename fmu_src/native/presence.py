@@ -4,6 +4,8 @@ A part of numba's type Optional(bool) answers `part is None` at run time, with t
 bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice `by_presence`.
 """
 
+import functools
+
 from numba import njit, types
 from numba.core import codegen, cpu
 from numba.core.imputils import impl_ret_borrowed
@@ -66,10 +68,38 @@ class Apart(codegen.JITCodeLibrary):
         self._finalized = True
 
 
+def _names(library):
+    """Names of the functions that a numba library has, and of those that it calls."""
+    functions = list(library._final_module.functions)
+    return {f.name for f in functions if not f.is_declaration}, {f.name for f in functions if f.is_declaration}
+
+
+def callers_first(library):
+    """A numba library and all whose code it calls, directly or not, each once and after one that calls it.
+
+    LLVM's linker leaves out what nothing has asked for yet.  What a library was lowered with and asks for no more, as the call was in a
+    branch that fell away, does not count.
+    """
+    called_first = []
+    seen = {library}
+    names = functools.cache(_names)
+
+    def visit(one):
+        asked = names(one)[1]
+        for called in one._linking_libraries:
+            if called not in seen and asked & names(called)[0]:
+                seen.add(called)
+                visit(called)
+        called_first.append(one)
+
+    visit(library)
+    return called_first[::-1]
+
+
 def whole(library):
     """LLVM module of a library and of all that it calls, each linked once."""
     module = library._final_module
-    for called in jit.callers_first(library)[1:]:
+    for called in callers_first(library)[1:]:
         module.link_in(called._get_module_for_linking())
     return module
 
@@ -85,5 +115,6 @@ def take_over() -> None:
     from cable_model.kernels import choice
 
     choice.by_presence = by_presence
+    jit.link = Apart.finalize
     codegen.JITCPUCodegen._library_class = Apart
     cpu.CPUContext.get_executable = _no_executable  # type: ignore[method-assign]
