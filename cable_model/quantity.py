@@ -47,8 +47,12 @@ def _rule(facts: typing.Mapping[str, Any]) -> str:
     return " and ".join(parts) or "a finite number"
 
 
+def _asked_for(description: str) -> str:
+    return f"Say {description}." if description.startswith("whether ") else f"Give the {description}."
+
+
 def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool) -> float | int:
-    remedy = facts["remedy"] or f"Give the {facts['description']}."
+    remedy = facts["remedy"] or _asked_for(facts["description"])
     kind = "a whole number" if whole else "a number"
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise refuse(name, value, facts["unit"], kind, remedy)
@@ -68,7 +72,7 @@ def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool)
 
 
 def _checked(name: str, value: Any, kind: Any, facts: typing.Mapping[str, Any]) -> Any:
-    remedy = facts["remedy"] or f"Give the {facts['description']}."
+    remedy = facts["remedy"] or _asked_for(facts["description"])
     if kind is float or kind is int:
         return _number(name, value, facts, kind is int)
     if kind is bool:

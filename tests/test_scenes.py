@@ -11,6 +11,10 @@ from cable_model.simulated import effects, one_line, parts_of, unknowns_per_node
 CABLE = {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": 1e6}
 
 REFUSED = [
+    (
+        {"solver": {"audit": 1}},
+        "solver.audit = 1: must be true or false. Say whether the balances of energy and momentum are audited.",
+    ),
     ({"cable": {**CABLE, "length": -3.0}}, "cable.length = -3 m: must be > 0. Give the unstretched length."),
     ({"cable": {**CABLE, "length": float("nan")}}, "cable.length = nan m: must be finite. Give the unstretched length."),
     ({"cable": {**CABLE, "axial_stiffness": float("inf")}}, "cable.axial_stiffness = inf N: must be finite. Give the axial stiffness EA."),
