@@ -12,7 +12,7 @@ CABLE = {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": 1e6}
 
 REFUSED = [
     (
-        {"solver": {"audit": 1}},
+        {"cable": CABLE, "solver": {"audit": 1}},
         "solver.audit = 1: must be true or false. Say whether the balances of energy and momentum are audited.",
     ),
     ({"cable": {**CABLE, "length": -3.0}}, "cable.length = -3 m: must be > 0. Give the unstretched length."),
