@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import subprocess
@@ -43,7 +44,8 @@ def test_a_killed_sweep_leaves_no_worker(tmp_path, how):
     file, folder = tmp_path / "sweep.toml", tmp_path / "found"
     file.write_text(SWEEP, encoding="utf-8")
     command = [sys.executable, "-m", "cable_model", "sweep", str(file), "-o", str(folder), "--workers", "2"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as sweep:
+    heard = functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # where tests run in a shell's background it is ignored
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=heard) as sweep:
         try:
             assert len(_wait_for(lambda: len(list(folder.glob("*.begun"))) == 2 and list(folder.glob("*.begun")))) == 2
             workers = [int(k) for k in Path(f"/proc/{sweep.pid}/task/{sweep.pid}/children").read_text(encoding="utf-8").split()]
