@@ -1,4 +1,4 @@
-"""The one interface table of the FMUs: every variable with its facts.  XML, value references, getters, the README and C derive from it.
+"""The one interface table of the FMUs: every variable with its facts.  XML, value references, getters, docs and C derive from it.
 
 Both FMUs have the same table.  The value reference of a variable is its place in it: append, never insert.  Facts of parameters
 come from the scene's data classes; only what FMI adds is written here.

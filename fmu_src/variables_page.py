@@ -1,4 +1,4 @@
-"""The README's table of FMU variables, from the interface table: `python -m fmu_src.readme_table` writes it into README.md."""
+"""The page of the FMUs' variables, from the interface table: `python -m fmu_src.variables_page` writes it into docs/."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def markdown() -> str:
     return "\n".join(lines) + "\n"
 
 
-def replaced(readme: str) -> str:
-    """The README's text with the table as it is now."""
-    return _BLOCK.sub(lambda match: match[1] + markdown() + match[2], readme)
+def replaced(page: str) -> str:
+    """The page's text with the table as it is now."""
+    return _BLOCK.sub(lambda match: match[1] + markdown() + match[2], page)
 
 
 if __name__ == "__main__":
-    path = Path("README.md")
+    path = Path("docs/fmu_variables.md")
     path.write_text(replaced(path.read_text(encoding="utf-8")), encoding="utf-8")
