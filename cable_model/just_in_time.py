@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import exchange, header, host, host_trials, ringing, top, watch
+from cable_model.kernels import exchange, header, host, host_trials, instants, ringing, top, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.signals import OUTPUTS
 
@@ -46,6 +46,7 @@ class JustInTime:
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
         ringing.watch_ringing(self._numbers, self.state, inputs)
+        instants.watch_instants(self.state)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
         top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step) if not len(self._room) else self._find_top(time, step, inputs)

@@ -48,7 +48,7 @@ def _rule(facts: typing.Mapping[str, Any]) -> str:
 
 
 def _asked_for(description: str) -> str:
-    return f"Say {description}." if description.startswith("whether ") else f"Give the {description}."
+    return f"Say {description}." if description.startswith(("whether ", "where ")) else f"Give the {description}."
 
 
 def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool) -> float | int:

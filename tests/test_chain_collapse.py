@@ -13,10 +13,10 @@ STIFFNESSES = (1e2, 1e3, 1e4, 1e5, 1e6, 1e8, 1e10, 1e12)  # over the weight
 
 
 @cache
-def collapse(nodes: int, step: float, lam: float = -0.5) -> tuple[np.ndarray, dict, float]:
+def collapse(nodes: int, step: float, lam: float = -0.5, amplitude: float = 0.0875) -> tuple[np.ndarray, dict, float]:
     """Tip path (rows, 2) at 0.02 s, all series, and the largest misfit of the geometry, m."""
     model = make(HANGING, cable__bending_stiffness=SHORT_BENDING, solver__nodes=nodes, solver__time_step=step, solver__lambda_infinity=lam)
-    shake = swing((0.0875, 0.0, 0.0), 6.535, cubic)
+    shake = swing((amplitude, 0.0, 0.0), 6.535, cubic)
     misfit = [0.0]
 
     def each(t: float) -> None:
@@ -39,16 +39,17 @@ def test_collapse_runs_to_its_end_with_no_more_compression_than_bending_holds_an
     assert misfit < 1e-6 * 1.75
 
 
-CHAOS = "chaotic: runs that differ by round-off in the amplitude reject from 9 to 15 of some 1030 steps"
+FAULT = "the median rejects 12 of some 1030 steps: cuts in the whip of the fine mesh at the coarse step"
 
 
 @pytest.mark.parametrize(
     ("nodes", "step"),
-    [pytest.param(*each, marks=pytest.mark.xfail(strict=False, reason=CHAOS)) if each == (101, 0.01) else each for each in SETTINGS],
+    [pytest.param(*each, marks=pytest.mark.xfail(strict=True, reason=FAULT)) if each == (101, 0.01) else each for each in SETTINGS],
 )
 def test_collapse_rejects_less_than_a_hundredth_of_its_steps(nodes, step):
-    _, run, _ = collapse(nodes, step)
-    assert run["solver.rejected_steps"][-1] < 0.01 * 10.0 / step
+    """In the median of runs whose amplitudes differ by round-off: the motion is chaotic."""
+    rejected = [collapse(nodes, step, amplitude=0.0875 * (1.0 + 1e-13 * k))[1]["solver.rejected_steps"][-1] for k in range(5)]
+    assert np.median(rejected) < 0.01 * 10.0 / step
 
 
 @pytest.mark.parametrize(("nodes", "step"), SETTINGS[:-1])

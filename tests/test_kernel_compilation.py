@@ -52,9 +52,8 @@ def test_an_untried_numba_gets_ordinary_options_and_a_warning(monkeypatch: pytes
         assert jit.options.__wrapped__() == jit.ORDINARY
 
 
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 def test_the_numba_at_hand_is_a_tried_one() -> None:
-    if numba.config.DISABLE_JIT:
-        pytest.skip("nothing is compiled")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert jit.options.__wrapped__()["_nrt"] is False

@@ -36,10 +36,11 @@ EXCHANGE = 63  # 63..84: what exchange.py keeps
 RINGING = 85  # 85..173: what ringing.py keeps
 HOST = 174  # 174..233: what host.py keeps
 DOUBTS = 234  # how many kinds of doubt watch.py has seen
-DOUBT = 235  # 235..270: a pair of numbers for each kind, 0 until it is seen
-WATCH = 271  # 271..293: what watch.py keeps
-AUDIT = 294  # 294..315: what audit.py keeps
-HEADER = 316
+DOUBT = 235  # 235..272: a pair of numbers for each kind, 0 until it is seen
+WATCH = 273  # 273..295: what watch.py keeps
+INSTANTS = 296  # 296..308: what instants.py keeps
+AUDIT = 309  # 309..330: what audit.py keeps
+HEADER = 331
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -15,7 +15,7 @@ from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE = range(14, 18)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS = range(14, 19)
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the top so far, m/s

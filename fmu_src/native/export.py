@@ -134,7 +134,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import exchange, header, host, host_trials, ringing, top, watch
+    from cable_model.kernels import exchange, header, host, host_trials, instants, ringing, top, watch
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
@@ -167,6 +167,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             top.start_top(order, numbers, state, inputs)
         elif what == STEP:
             ringing.watch_ringing(numbers, state, inputs)
+            instants.watch_instants(state)
             watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, numbers, state, inputs, step, end, path)
         elif what == ADVANCE:

@@ -5,10 +5,12 @@ bit-identical.  Import this before any kernel: it takes the place of the decorat
 """
 
 import functools
+from typing import Any
 
 from numba import njit, types
-from numba.core import codegen, cpu
+from numba.core import codegen
 from numba.core.imputils import impl_ret_borrowed
+from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer, signature
 from numba.extending import lower_builtin, overload
 
@@ -104,7 +106,7 @@ def whole(library):
     return module
 
 
-def _no_executable(context, library, fndesc, env):
+def _no_executable(library, fndesc, env):
     """Instead of machine code, the object by which numba knows a compiled function."""
     return jit.unrun(library, fndesc, env)
 
@@ -117,4 +119,5 @@ def take_over() -> None:
     choice.by_presence = by_presence
     jit.link = Apart.finalize
     codegen.JITCPUCodegen._library_class = Apart
-    cpu.CPUContext.get_executable = _no_executable  # type: ignore[method-assign]
+    context: Any = cpu_target.target_context
+    context.get_executable = _no_executable
