@@ -128,7 +128,7 @@ SEEN = (
     "internal step = %.3g s under waves of %.3g s: fewer than twenty steps a period leave their phase and forces wrong. "
     "Set solver.time_step to a twentieth of it, or solver.tolerance.",
     "force at the end of a communication step = %.3g N off what the mean forces about it say, which differ by %.3g N from step to step: it "
-    "swings within a step, and tells little. Take top.force_mean, set top.inputs_at = 1, or give shorter steps.",
+    "swings within a step, and tells little. Set top.inputs_at = 1, take top.force_mean, or give shorter steps.",
 )
 
 

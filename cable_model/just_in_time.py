@@ -46,7 +46,7 @@ class JustInTime:
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
         ringing.watch_ringing(self._numbers, self.state, inputs)
-        instants.watch_instants(self.state)
+        instants.watch_instants(self._numbers, self.state)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
         top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step) if not len(self._room) else self._find_top(time, step, inputs)

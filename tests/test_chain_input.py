@@ -41,7 +41,8 @@ def text_of(part: str, field: dataclasses.Field, shown: str) -> str:
     if facts["gap"] is not None:  # what lies between is refused too
         rule = rule.replace(f">= {facts['gap'][0]:g}", "{:g} or >= {:g}".format(*facts["gap"]))
     unit = " " + facts["unit"] if facts["unit"] not in ("", "1") else ""
-    remedy = facts["remedy"] or f"Give the {facts['description']}."
+    verb = "Say" if facts["description"].startswith(("where ", "whether ")) else "Give the"
+    remedy = facts["remedy"] or f"{verb} {facts['description']}."
     return f"{part}.{field.name} = {shown}{unit}: must be {rule}. {remedy}"
 
 

@@ -8,9 +8,9 @@ comes in time with a swing of the cable's own add up, and the means stay right. 
 import math
 
 from cable_model.kernels.exchange import MEAN, TOLD
-from cable_model.kernels.header import INSTANTS
+from cable_model.kernels.header import DOUBT, INSTANTS
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.watch import SPAN, SWINGS, note
+from cable_model.kernels.watch import KICKED, SPAN, SWINGS, note
 
 FORCE = INSTANTS  # at the start of the last communication step, N; three numbers
 BEFORE = INSTANTS + 3  # mean force of the step before it, N; three numbers
@@ -34,17 +34,20 @@ def _close_window(state):
     off = math.sqrt(state[OFF] / state[TIME])
     swings = state[OFF] > state[CHANGED] and off > LOUD * state[SIZE] / state[TIME]
     state[HITS] = state[HITS] + 1.0 if swings else 0.0
-    if state[HITS] >= IN_A_ROW:
+    if state[HITS] >= IN_A_ROW and state[DOUBT + 2 * KICKED] == 0.0:
         note(state, SWINGS, off, math.sqrt(state[CHANGED] / state[TIME]))
     for k in range(OFF, HITS):
         state[k] = 0.0
 
 
 @kernel
-def watch_instants(state):
-    """Look at the last communication step; before watch_inputs."""
+def watch_instants(p, state):
+    """Look at the last communication step, where inputs are led on; before watch_inputs.
+
+    Where they are not, a force that swings is the cable's own vibration, and right at every instant.
+    """
     h = state[SPAN]
-    if h == 0.0:
+    if h == 0.0 or p[0].top.inputs_at > 0.0 or p[0].host.mass > 0.0:
         return
     before = state[LENGTH]
     if before < ALIKE * h and h < ALIKE * before:

@@ -167,7 +167,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             top.start_top(order, numbers, state, inputs)
         elif what == STEP:
             ringing.watch_ringing(numbers, state, inputs)
-            instants.watch_instants(state)
+            instants.watch_instants(numbers, state)
             watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, numbers, state, inputs, step, end, path)
         elif what == ADVANCE:
