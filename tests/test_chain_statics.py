@@ -149,3 +149,16 @@ def test_hanging_chain_stretches_under_its_own_weight():
     assert model.positions()[0, 2] == pytest.approx(-2.0 - 10.0 * 4.0 / 200.0, rel=2e-4)
     assert model.outputs[3] == pytest.approx(20.0, rel=1e-9)
     assert model.outputs[11] == pytest.approx(0.0, abs=2e-3 * 20.0)
+
+
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+@pytest.mark.parametrize("body", [{}, {"mass": 11.5, "volume": 11.5 / DENSITY}])
+@pytest.mark.parametrize("last_digit", [-1, 0, 1])
+def test_a_cable_of_the_density_of_the_water_hangs_straight_down_whatever_rounding_makes_of_its_weight(grid, body, last_digit):
+    """Any place is one of rest; the one that the straight cable has is what a user means, and no cell of it is crumpled."""
+    mass = DENSITY * 0.25 * np.pi * 0.02**2
+    cable = {"length": 100.0, "diameter": 0.02, "mass_per_length": mass + last_digit * np.spacing(mass), "axial_stiffness": 1e5}
+    model = make({"cable": cable, "body": body, "water": {"density": DENSITY}, "solver": {"nodes": 51, "grid": grid}})
+    model.initialize(still()(0.0))
+    assert model.positions()[0] == pytest.approx([0.0, 0.0, -100.0], abs=1e-4)
+    assert np.linalg.norm(np.diff(model.positions(), axis=0), axis=1).sum() == pytest.approx(100.0, rel=1e-6)

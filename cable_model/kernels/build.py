@@ -4,10 +4,11 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import Body, Water, body_part, body_weight, cable_part, total_weight, water_part
+from cable_model.kernels.problem import Body, Cable, Water, body_part, body_weight, cable_part, total_weight, water_part
 from cable_model.kernels.seabed import Ground
 from cable_model.kernels.staggered_step import Numeric, Problem
 
+LEAST_WEIGHT = 1e-9  # of its weight in air, which a cable has at rest at least
 
 @kernel
 def _presence(present, value):
@@ -17,9 +18,19 @@ def _presence(present, value):
 
 
 @kernel
+def _with_some_weight(cable, rests):
+    """The cable, which at rest (`rests` 1, else 0) hangs straight down where it weighs next to nothing: rounding would crumple it."""
+    weight = cable.weight
+    least = rests * LEAST_WEIGHT * cable.mass * cable.gravity
+    if abs(weight) < least:
+        weight = least
+    return Cable(cable.length, cable.diameter, cable.mass, cable.stiffness, cable.gravity, weight)
+
+
+@kernel
 def build(parts, p, pull, moves=1.0):
     """The problem that the parameters describe; `moves` 0 for statics."""
-    cable = cable_part(parts.water, p)
+    cable = _with_some_weight(cable_part(parts.water, p), 1.0 - moves)
     wave_damping = p[0].solver.slack_damping * math.sqrt(cable.stiffness * cable.mass)
     reference = math.sqrt(max(cable.gravity, 1e-3) * cable.length)
     numeric = Numeric(

@@ -61,9 +61,11 @@ def tensions_now(parts, problem, mesh, y, force, force_old, ahead, top, cells):
     They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
     """
     for i in range(force.shape[0]):
-        cells[i, 0] = force[i] + ahead * (force[i] - force_old[i]) + floor(parts, problem.numeric, mesh[i, 0])
+        held = floor(parts, problem.numeric, mesh[i, 0])
+        cells[i, 0] = force[i] + ahead * (force[i] - force_old[i]) + held
         if parts.slack is not None:
-            cells[i, 0] = max(cells[i, 0], 1e-9 * width(problem.numeric, mesh[i, 0]))
+            least = held if force[i] > 0.0 else 0.0  # a cell that loses its tension within a step is not led on to push
+            cells[i, 0] = max(cells[i, 0], least + 1e-9 * width(problem.numeric, mesh[i, 0]))
         q = load(y, i, top)
         cells[i, 2] = norm(q)
         store_from(cells, i, 3, scale(1.0 / cells[i, 2], q))
