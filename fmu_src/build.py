@@ -37,6 +37,7 @@ from fmu_src.interface import generic_scene
 from fmu_src.launcher import build as launcher
 from fmu_src.model_description import epoch_of, osp_description
 from fmu_src.native import build as native_build
+from fmu_src.native import link
 from fmu_src.native.build import IDENTIFIERS
 from fmu_src.native.export import ExportError
 from fmu_src.native.object_code import can_export, object_code, prepare_generic, variants_of
@@ -209,7 +210,10 @@ def main(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
     model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
     native: Annotated[
-        bool | None, typer.Option(help="also build native FMUs, into the folder native/ beside; default: only where no scene is baked in")
+        bool | None, typer.Option(help="also build FMUs that need no Python; default: only where no scene is baked in")
+    ] = None,
+    platform: Annotated[
+        list[str] | None, typer.Option(help="of native FMUs: linux64, win64, darwin64, aarch64-linux; may be repeated; default: all it can")
     ] = None,
     precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
     date: Annotated[str, typer.Option(help="date and time that the FMUs carry, as 2026-05-31T12:00:00Z, or now; default: 1980")] = "",
@@ -229,15 +233,19 @@ def main(
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
             target = output or Path("dist") / f"{Path(scene).stem}.fmu"
             if native:  # first: it may refuse the scene
-                made = [native_build.build_native(key, target.parent / "native" / target.name, baked)]
+                made = [native_build.build_native(key, target.parent / "native" / target.name, baked, platform or ())]
             tried = {key: build(key, baked, target, precompile=precompile)}
             made = [*tried.values(), *made]
         else:
             dist = output or Path("dist")
             if can_export() and (precompile or native is not False):
                 prepare_generic()
-            tried = {key: build(key, generic_scene(), dist / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS}
-            made = [*tried.values(), *(native_build.build_all(dist / "native") if native is not False else ())]
+            made = native_build.build_all(dist, platform or ()) if native is not False else []
+            python = dist / "python"
+            tried = {key: build(key, generic_scene(), python / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS}
+            made += tried.values()
+        if native is not False and (words := link.missing()):
+            typer.echo(words, err=True)
         for path in made:
             typer.echo(f"{path}  {path.stat().st_size} bytes")
         if simulate:

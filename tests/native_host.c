@@ -1,9 +1,17 @@
 /* A host without Python: loads an FMU's library, runs it, and writes its outputs as hexadecimal floats.
 
-   native_host LIBRARY GUID STEPS STEP N_OUTPUTS FIRST_OUTPUT < inputs (9 numbers a line, one line a step)
-   With a sixth argument "threads" two instances run at the same time in two threads; both must give the same bits. */
+   native_host LIBRARY GUID STEPS STEP N_OUTPUTS FIRST_OUTPUT < values
+   values: how many parameters; type (r, i or b), reference and value of each; then 10 inputs a step.
+   With a seventh argument "threads" two instances run at the same time in two threads; both must give the same bits. */
+#ifdef _WIN32
+#include <windows.h>
+#define dlopen(path, how) ((void *)LoadLibraryA(path))
+#define dlsym(library, name) ((void *)GetProcAddress((HMODULE)(library), name))
+#define dlerror() "the library cannot be loaded"
+#else
 #include <dlfcn.h>
 #include <pthread.h>
+#endif
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +28,8 @@ static struct {
     fmi2EnterInitializationModeTYPE *enter;
     fmi2ExitInitializationModeTYPE *leave;
     fmi2SetRealTYPE *set_real;
+    fmi2SetIntegerTYPE *set_integer;
+    fmi2SetBooleanTYPE *set_boolean;
     fmi2GetRealTYPE *get_real;
     fmi2DoStepTYPE *step;
     fmi2TerminateTYPE *terminate;
@@ -30,6 +40,12 @@ static const char *guid;
 static int steps, n_outputs;
 static unsigned first_output;
 static double size, *inputs;
+static int n_parameters;
+static struct {
+    char type;
+    fmi2ValueReference reference;
+    double value;
+} *parameters;
 static long taken; /* blocks of memory that instances hold */
 
 static void logger(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...)
@@ -75,6 +91,14 @@ static void *run(void *result)
     if (!c)
         exit(1);
     must(fmu.setup(c, 0, 0.0, 0.0, 0, 0.0), "setupExperiment");
+    for (int k = 0; k < n_parameters; k++) {
+        fmi2Integer whole = (fmi2Integer)parameters[k].value;
+        fmi2ValueReference *vr = &parameters[k].reference;
+        if (parameters[k].type == 'r')
+            must(fmu.set_real(c, vr, 1, &parameters[k].value), "setReal");
+        else
+            must((parameters[k].type == 'i' ? fmu.set_integer : fmu.set_boolean)(c, vr, 1, &whole), "setInteger or setBoolean");
+    }
     must(fmu.set_real(c, in, N_INPUTS, inputs), "setReal");
     must(fmu.enter(c), "enterInitializationMode");
     must(fmu.leave(c), "exitInitializationMode");
@@ -112,6 +136,12 @@ int main(int n, char **arguments)
     size = atof(arguments[4]);
     n_outputs = atoi(arguments[5]);
     first_output = (unsigned)atoi(arguments[6]);
+    if (scanf("%d", &n_parameters) != 1)
+        return 2;
+    parameters = calloc((size_t)n_parameters + 1, sizeof *parameters);
+    for (int k = 0; k < n_parameters; k++)
+        if (scanf(" %c %u %lf", &parameters[k].type, &parameters[k].reference, &parameters[k].value) != 3)
+            return 2;
     inputs = calloc((size_t)steps * N_INPUTS, sizeof *inputs);
     for (int k = 0; k < steps * N_INPUTS; k++)
         if (scanf("%lf", &inputs[k]) != 1)
@@ -121,21 +151,28 @@ int main(int n, char **arguments)
     fmu.enter = symbol(library, "fmi2EnterInitializationMode");
     fmu.leave = symbol(library, "fmi2ExitInitializationMode");
     fmu.set_real = symbol(library, "fmi2SetReal");
+    fmu.set_integer = symbol(library, "fmi2SetInteger");
+    fmu.set_boolean = symbol(library, "fmi2SetBoolean");
     fmu.get_real = symbol(library, "fmi2GetReal");
     fmu.step = symbol(library, "fmi2DoStep");
     fmu.terminate = symbol(library, "fmi2Terminate");
     fmu.free = symbol(library, "fmi2FreeInstance");
     size_t numbers = (size_t)steps * (size_t)n_outputs;
     double *one = calloc(numbers, sizeof *one), *two = calloc(numbers, sizeof *two);
+    (void)two;
+#ifndef _WIN32
     pthread_t thread;
     int both = n > 7 && strcmp(arguments[7], "threads") == 0;
     if (both && pthread_create(&thread, NULL, run, two))
         return 1;
+#endif
     run(one);
+#ifndef _WIN32
     if (both && (pthread_join(thread, NULL) || memcmp(one, two, numbers * sizeof *one) != 0)) {
         fprintf(stderr, "two threads: different results\n");
         return 1;
     }
+#endif
     if (taken != 0) {
         fprintf(stderr, "memory: %ld blocks were not given back\n", taken);
         return 1;

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,12 @@ from cable_model.effects import used_by
 from cable_model.scene import Scene, load, with_values
 from cable_model.simulated import left_out_for
 from fmu_src.interface import table
-from fmu_src.native import build
+from fmu_src.native import build, link
+from fmu_src.native.targets import LINUX
 
 KEYS = {identifier: key for key, identifier in build.IDENTIFIERS.items()}  # of the generic FMUs' files
 only_where_they_run = [
-    pytest.mark.skipif(build.compiler() is None or sys.platform != "linux", reason="native FMUs need Linux and a C compiler"),
+    pytest.mark.skipif(LINUX not in link.available(), reason="native FMUs need 64-bit x86 Linux and a C compiler"),
     pytest.mark.xdist_group("native"),  # one worker compiles the FMUs, once
 ]
 

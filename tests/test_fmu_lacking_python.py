@@ -16,7 +16,7 @@ from native_support import only_where_they_run
 
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import table
-from fmu_src.native import build
+from fmu_src.native import link
 
 pytestmark = only_where_they_run
 PLACE = {row.name: reference for reference, row in enumerate(table())}
@@ -67,7 +67,7 @@ def plain_host(fmus: dict[str, Fmu], tmp_path: Path):
     fmu, host = fmus["tow"], tmp_path / "host"
     source = Path(__file__).parent / "native_host.c"
     subprocess.run(
-        [str(build.compiler()), "-O1", f"-I{build.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True
+        [str(link.compiler()), "-O1", f"-I{link.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True
     )
     library = Path(fmu.folder) / "binaries" / "linux64" / "TowCable.so"
     arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(len(INPUTS))]

@@ -26,7 +26,7 @@ from cable_model.signals import INPUTS
 from cable_model.simulated import effects, numbers_of, one_line, parts_of
 from fmu_src.entries import ABSENT, PRESENT
 from fmu_src.interface import generic_scene, in_variables, scene_from_values, table
-from fmu_src.native import build, object_code
+from fmu_src.native import build, link, object_code
 from fmu_src.native.rules import Rules
 
 STEPS = 20 if numba.config.DISABLE_JIT else 300
@@ -135,12 +135,12 @@ def test_a_baked_scene_has_exactly_its_own_parts(tmp_path: Path):
 def test_a_host_without_python_gets_the_same_bits_in_two_threads_and_all_memory_back(fmu: Fmu, tmp_path: Path):
     host = tmp_path / "host"
     source = Path(__file__).parent / "native_host.c"
-    command = [str(build.compiler()), "-Wall", "-Wextra", "-Werror", "-O1", f"-I{build.fmi_headers()}", "-o", str(host), str(source)]
+    command = [str(link.compiler()), "-Wall", "-Wextra", "-Werror", "-O1", f"-I{link.fmi_headers()}", "-o", str(host), str(source)]
     subprocess.run([*command, "-ldl", "-lpthread"], check=True)
     guid, count = fmpy.read_model_description(str(fmu.path)).guid, 40
     inputs = np.array([[*sway(k * STEP), 0.0] for k in range(count)])
     arguments = [str(library_of(fmu)), guid, str(count), repr(STEP), str(FIRST), str(len(INPUTS)), "threads"]
-    lines = "\n".join(" ".join(map(repr, row)) for row in inputs.tolist())
+    lines = "\n".join(["0", *(" ".join(map(repr, row)) for row in inputs.tolist())])
     done = subprocess.run([str(host), *arguments], input=lines, capture_output=True, text=True, env={}, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     found = np.array([float.fromhex(line) for line in done.stdout.split()]).reshape(count, FIRST)

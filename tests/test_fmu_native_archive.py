@@ -81,8 +81,9 @@ def test_the_same_kernels_give_the_same_bytes_in_another_process_and_folder(
         shutil.copytree(ROOT / package, elsewhere / package, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(export, "ROOT", elsewhere)
     again = export.export("tow", object_code.GENERIC["tow"])
-    monkeypatch.setattr(build, "object_code", lambda model, variants: again)
-    assert build.build_native("tow", tmp_path / "TowCable.fmu").read_bytes() == native["tow"].path.read_bytes()
+    monkeypatch.setattr(build, "bitcode", lambda model, variants: again)
+    monkeypatch.setattr(build, "object_code", lambda model, variants, target: export.object_file(again, target))
+    assert build.build_native("tow", tmp_path / "TowCable.fmu", platforms=["linux64"]).read_bytes() == native["tow"].path.read_bytes()
 
 
 def test_kernels_edited_since_the_process_started_are_not_exported_under_the_old_name(monkeypatch: pytest.MonkeyPatch):
@@ -92,11 +93,13 @@ def test_kernels_edited_since_the_process_started_are_not_exported_under_the_old
 
 
 def test_without_a_compiler_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture):
-    monkeypatch.setattr(build, "compiler", lambda: None)
-    with pytest.raises(ParameterError, match=r"C compiler = none: must be cc, gcc or clang on 64-bit Linux\. Install one"):
+    monkeypatch.setattr(link, "compiler", lambda: None)
+    monkeypatch.setattr(link, "has_zig", lambda: False)
+    with pytest.raises(ParameterError, match=r"linker for linux64 = none: must be zig or, on 64-bit Linux, a C compiler\. Run `pip install"):
         build.build_native("tow", tmp_path / "TowCable.fmu")
     assert build.build_all(tmp_path) == []
-    assert capsys.readouterr().err == "No native FMUs: they need Linux and a C compiler (cc, gcc or clang).\n"
+    text = "No native FMUs: they need zig (pip install ziglang) or, on 64-bit Linux, a C compiler (cc, gcc or clang).\n"
+    assert capsys.readouterr().err == text
 
 
 def test_no_name_in_the_object_code_counts_what_is_not_in_it(tmp_path: Path):

@@ -11,7 +11,7 @@ import pytest
 from fmu_support import Fmu
 from native_support import only_where_they_run
 
-from fmu_src.native import build
+from fmu_src.native import build, link
 
 pytestmark = only_where_they_run
 HERE = Path(__file__).resolve().parent
@@ -45,11 +45,12 @@ def test_any_of_many_sequences_of_calls_is_borne(flavour: str, model: str, reque
 def test_the_sanitizers_find_nothing_in_the_c_layer(model: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     """gcc's for addresses and undefined behaviour, over random sequences; the kernels' object code is as it is."""
     sanitizer = subprocess.run(
-        [str(build.compiler()), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
+        [str(link.compiler()), "-print-file-name=libasan.so"], capture_output=True, text=True, check=True
     ).stdout.strip()
     if not Path(sanitizer).is_file():
         pytest.skip("the C compiler has no sanitizers")
-    flags = [flag for flag in build.FLAGS if flag != "-Wl,-s"]
-    monkeypatch.setattr(build, "FLAGS", (*flags, "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"))
+    flags = [flag for flag in link.FLAGS if flag != "-Wl,-s"]
+    monkeypatch.setattr(link, "has_zig", lambda: False)
+    monkeypatch.setattr(link, "FLAGS", (*flags, "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"))
     fmu = Fmu(build.build_native(model, tmp_path / f"{build.IDENTIFIERS[model]}.fmu"), tmp_path / "x")
     run_sequences(fmu, 300, tmp_path, LD_PRELOAD=sanitizer, ASAN_OPTIONS="detect_leaks=0", LEAKS="not counted")

@@ -10,6 +10,7 @@ from cable_model.kernels.staggered_step import Numeric, Problem
 
 LEAST_WEIGHT = 1e-9  # of its weight in air, which a cable has at rest at least
 
+
 @kernel
 def _presence(present, value):
     if present is None:

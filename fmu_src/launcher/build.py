@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import shutil
-import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from cable_model.errors import ParameterError
 from fmu_src.model_description import LOG_CATEGORIES
-from fmu_src.native.build import FLAGS, compiler, fmi_headers
+from fmu_src.native import link
+from fmu_src.native.targets import LINUX
 
 HERE = Path(__file__).resolve().parent
 SOURCES = (HERE / "launcher.c", HERE / "place.h", HERE.parent / "native" / "log.h", HERE.parent / "native" / "absent.h")
@@ -21,7 +18,7 @@ FOLDER = "binaries/linux64"
 
 def can_compile() -> bool:
     """Whether there is a C compiler for the launcher's platform."""
-    return compiler() is not None and sys.platform == "linux"
+    return LINUX in link.available()
 
 
 def sources() -> str:
@@ -33,16 +30,7 @@ def _compiled(identifier: str, guid: str) -> bytes:
     categories = ", ".join(map(json.dumps, LOG_CATEGORIES))
     names = {"MODEL_GUID": json.dumps(guid), "INNER_LIBRARY": json.dumps(f"{identifier}_pythonfmu.so"), "LOG_CATEGORIES": categories}
     header = "/* Written by fmu_src/launcher/build.py. */\n" + "".join(f"#define {name} {value}\n" for name, value in names.items())
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "launcher.h").write_text(header, encoding="utf-8")
-        for source in SOURCES:
-            shutil.copy(source, folder)
-        command = [str(compiler()), *FLAGS, f"-I{fmi_headers()}", "-o", "launcher.so", "launcher.c", "-ldl", "-lpthread"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ParameterError(f"{' '.join(command)}: failed. {done.stderr}")
-        return (folder / "launcher.so").read_bytes()
+    return link.library(LINUX, {"launcher.h": header.encode()}, SOURCES, ["launcher.c"], ["-ldl", "-lpthread"])
 
 
 def before_pythonfmu(entries: Mapping[str, bytes], identifier: str, guid: str) -> dict[str, bytes]:

@@ -1,14 +1,11 @@
-"""Builds native FMUs: kernels as object code and the C layer, linked into a library that needs no Python."""
+"""Builds native FMUs: kernels as object code and the C layer, linked into a library a platform that needs no Python."""
 
 from __future__ import annotations
 
 import hashlib
 import io
 import re
-import shutil
-import subprocess
 import sys
-import tempfile
 import uuid
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -23,49 +20,28 @@ from cable_model.models import MODELS
 from cable_model.parameters import value_of
 from cable_model.scene import Scene
 from cable_model.simulated import is_on, true
+from fmu_src.entries import Variant
 from fmu_src.interface import Variable, generic_scene, table
 from fmu_src.model_description import model_description, osp_description
+from fmu_src.native import link
 from fmu_src.native.header import c_header
-from fmu_src.native.object_code import object_code, variants_of
+from fmu_src.native.object_code import bitcode, object_code, variants_of
+from fmu_src.native.targets import Target
 
 HERE = Path(__file__).resolve().parent
 IDENTIFIERS = {"chain": "CableChain", "tow": "TowCable"}
-COMPILERS = ("cc", "gcc", "clang")
-FLAGS = (
-    "-std=gnu11", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-fvisibility=hidden",
-    "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack", "-Wl,-s",
-)  # fmt: skip
 SOURCES = ("fmu.c", "component.h", "values.h", "state.h", "absent.h", "log.h")
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def compiler() -> str | None:
-    """The C compiler, if there is one."""
-    return next((found for name in COMPILERS if (found := shutil.which(name))), None)
-
-
-def fmi_headers() -> Path:
-    """The folder of the FMI 2.0 headers that come with fmpy."""
-    import fmpy
-
-    return Path(fmpy.__file__).parent / "c-code"
-
-
-def _link(header: str, kernels: bytes) -> bytes:
-    found = compiler()
-    if found is None or sys.platform != "linux":
-        raise ParameterError("C compiler = none: must be cc, gcc or clang on 64-bit Linux. Install one, or build with --no-native.")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "model.h").write_text(header, encoding="utf-8")
-        (folder / "kernels.o").write_bytes(kernels)
-        for source in SOURCES:
-            shutil.copy(HERE / source, folder)
-        command = [found, *FLAGS, f"-I{fmi_headers()}", "-o", "fmu.so", "fmu.c", "kernels.o", "-lm"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ParameterError(f"{' '.join(command)}: failed. {done.stderr}")
-        return (folder / "fmu.so").read_bytes()
+def _libraries(header: str, model: str, variants: Sequence[Variant], targets: Sequence[Target]) -> dict[tuple[str, str], bytes]:
+    """Libraries of an FMU by their folders in binaries/ and their suffixes."""
+    slices: dict[tuple[str, str], list[bytes]] = {}
+    for target in targets:
+        files = {"model.h": header.encode(), "kernels.o": object_code(model, variants, target)}
+        made = link.library(target, files, [HERE / name for name in SOURCES], ["fmu.c", "kernels.o"], ["-lm"])
+        slices.setdefault((target.folder, target.suffix), []).append(made)
+    return {place: made[0] if len(made) == 1 else link.universal(made) for place, made in slices.items()}
 
 
 def _guid(*facts: str | bytes) -> str:
@@ -107,13 +83,14 @@ def refused(scene: Scene, model: str) -> Iterator[ParameterError]:
         yield refuse("water.depth", scene.water.depth if scene.water else 0.0, "m", "0 in a native FMU", "Build the FMU that runs Python.")
 
 
-def build_native(model_name: str, destination: Path, scene: Scene | None = None) -> Path:
-    """Write the native FMU of a model ("chain" or "tow").
+def build_native(model_name: str, destination: Path, scene: Scene | None = None, platforms: Sequence[str] = ()) -> Path:
+    """Write the native FMU of a model ("chain" or "tow") for some platforms, by their folders in an FMU; none named: for all it can.
 
     scene None: the parameters decide on the effects when the FMU initializes; otherwise the scene is baked in and only its effects are
-    compiled.  The same input gives the same bytes.  Raises ParameterError where no C compiler is there, and for what native FMUs of
+    compiled.  The same input gives the same bytes.  Raises ParameterError where nothing can be linked, and for what native FMUs of
     scenes cannot do.
     """
+    targets = link.chosen(platforms)
     for error in () if scene is None else refused(scene, model_name):
         raise error
     identifier = re.sub(r"\W", "_", destination.stem, flags=re.ASCII)
@@ -121,14 +98,13 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None)
     base = generic_scene() if scene is None else scene
     rows, variants = table(base), variants_of(model_name, scene)
     header = c_header(identifier, rows, base, model_name, variants)
-    kernels = object_code(model_name, variants)
     sources = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
     draft = _description(identifier, "", rows, base, model_name)
-    guid = _guid(header, kernels, *sources, draft)
-    library = _link(f'#define MODEL_GUID "{guid}"\n{header}', kernels)
+    guid = _guid(header, bitcode(model_name, variants), *sources, draft)
+    libraries = _libraries(f'#define MODEL_GUID "{guid}"\n{header}', model_name, variants, targets)
     files = {
         "modelDescription.xml": _description(identifier, guid, rows, base, model_name),
-        f"binaries/linux64/{identifier}.so": library,
+        **{f"binaries/{folder}/{identifier}{suffix}": made for (folder, suffix), made in libraries.items()},
         "resources/OspModelDescription.xml": _xml(osp_description()),
     }
     destination.parent.mkdir(parents=True, exist_ok=True)
@@ -136,9 +112,9 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None)
     return destination
 
 
-def build_all(folder: Path) -> list[Path]:
-    """The generic native FMUs of both models; none, with a line on stderr, where no C compiler is there."""
-    if compiler() is None or sys.platform != "linux":
-        sys.stderr.write("No native FMUs: they need Linux and a C compiler (cc, gcc or clang).\n")
+def build_all(folder: Path, platforms: Sequence[str] = ()) -> list[Path]:
+    """The generic native FMUs of both models; none, with a line on stderr, where nothing can be linked."""
+    if not link.available():
+        sys.stderr.write("No native FMUs: they need zig (pip install ziglang) or, on 64-bit Linux, a C compiler (cc, gcc or clang).\n")
         return []
-    return [build_native(model, folder / f"{identifier}.fmu") for model, identifier in IDENTIFIERS.items()]
+    return [build_native(model, folder / f"{identifier}.fmu", platforms=platforms) for model, identifier in IDENTIFIERS.items()]

@@ -1,8 +1,9 @@
-"""Compiles the kernels to object code for any x86-64 Linux machine.
+"""Compiles the kernels to LLVM code, once for all platforms, and that to the object code of one.
 
 numba writes each entry as LLVM code, not optimized, in a process of its own (`python -m fmu_src.native.export < request.json`): the
 just-in-time compiler elsewhere is not disturbed, and entries are compiled side by side.  They are freed of reference counts (every array
-is the C layer's), optimized there, and linked as one module, which keeps what they have in common once.
+is the C layer's), optimized there, and linked as one module, which keeps what they have in common once.  Numba takes the oldest x86-64
+processor and no vectors: what it writes then knows its platform by a name and a layout of data alone, which are another's in the end.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from fmu_src.entries import (
     WORK,
     Variant,
 )  # fmt: skip
+from fmu_src.native.targets import LINUX, Target
 
 ROOT = Path(__file__).resolve().parents[2]
 _PROCESSES = ThreadPoolExecutor(os.cpu_count())  # waits for so many at a time, of all exports together
@@ -247,13 +249,13 @@ def _alone(symbol: str, module: Any, name: str) -> bytes:
     return bitcode
 
 
-def _machine() -> Any:
+def _machine(target: Target) -> Any:
     import llvmlite.binding as llvm
 
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    target = llvm.Target.from_triple("x86_64-unknown-linux-gnu")
-    return target.create_target_machine(cpu="x86-64", features="", opt=3, reloc="pic", codemodel="default")
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    known = llvm.Target.from_triple(target.triple)
+    return known.create_target_machine(cpu=target.processor, features="", opt=3, reloc="pic", codemodel="default")
 
 
 def _optimized(bitcode: bytes) -> bytes:
@@ -263,21 +265,20 @@ def _optimized(bitcode: bytes) -> bytes:
     module = llvm.parse_bitcode(bitcode)
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
     tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
-    builder = llvm.create_pass_builder(_machine(), tuning)
+    builder = llvm.create_pass_builder(_machine(LINUX), tuning)
     builder.getModulePassManager().run(module, builder)
     made: bytes = module.as_bitcode()
     return made
 
 
-def _object_file(modules: Sequence[bytes]) -> bytes:
-    """One object file with the entries of the modules; what they have in common is there once."""
+def _linked(modules: Sequence[bytes]) -> bytes:
+    """Bitcode of one module with the entries of the modules; what they have in common is there once."""
     import llvmlite.binding as llvm
 
-    machine = _machine()
     module = llvm.parse_assembly("")
     for bitcode in modules:
         module.link_in(llvm.parse_bitcode(bitcode))
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder = llvm.create_pass_builder(_machine(LINUX), llvm.create_pipeline_tuning_options(speed_level=3))
     passes = llvm.create_new_module_pass_manager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
@@ -287,12 +288,23 @@ def _object_file(modules: Sequence[bytes]) -> bytes:
     wanted = {value.name for value in module.functions if value.is_declaration and not value.name.startswith("llvm.")}
     if wanted - {*EXTERNAL}:
         raise ValueError(f"kernels call {sorted(wanted - {*EXTERNAL})}. Add what libc and libm have to entries.EXTERNAL.")
+    made: bytes = module.as_bitcode()
+    return made
+
+
+def object_file(bitcode: bytes, target: Target) -> bytes:
+    """Object code for a platform of what `export` made."""
+    import llvmlite.binding as llvm
+
+    machine = _machine(target)
+    module = llvm.parse_bitcode(bitcode)
+    module.triple, module.data_layout = target.triple, str(machine.target_data)
     made: bytes = machine.emit_object(module)
     return made
 
 
 def export(model: str, variants: Sequence[Variant]) -> bytes:
-    """Object code of the entries kernel_0, kernel_1, ... of a model's variants, each compiled in a process of its own.
+    """LLVM's bitcode of the entries kernel_0, kernel_1, ... of a model's variants, each compiled in a process of its own.
 
     Raises ExportError with a process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
     """
@@ -300,7 +312,7 @@ def export(model: str, variants: Sequence[Variant]) -> bytes:
 
     kernels = source_hash()
     requests = [{"model": model, "variant": dict(variant), "name": f"kernel_{k}", "kernels": kernels} for k, variant in enumerate(variants)]
-    return _object_file(list(_PROCESSES.map(_bitcode, requests)))
+    return _linked(list(_PROCESSES.map(_bitcode, requests)))
 
 
 def _bitcode(request: Mapping[str, Any]) -> bytes:

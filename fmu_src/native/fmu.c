@@ -1,6 +1,11 @@
 /* FMI 2.0 for co-simulation around the compiled kernels.  Nothing here knows a model: model.h, which is generated, holds the
    interface table, the rules and the kernels. */
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+#else
 #include <time.h>
+#endif
 
 #include "component.h"
 #include "values.h"
@@ -122,12 +127,21 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     return fmi2OK;
 }
 
+#ifdef _WIN32 /* the time that has passed: Windows counts a thread's own in ticks of 15.6 ms */
+static double processor_time(void)
+{
+    LARGE_INTEGER count, per_second;
+    QueryPerformanceCounter(&count), QueryPerformanceFrequency(&per_second);
+    return (double)count.QuadPart / (double)per_second.QuadPart;
+}
+#else
 static double processor_time(void)
 {
     struct timespec now = {0};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+#endif
 
 /* A step begins where the last one ended, and ends by the stop time, but for the rounding of a host's clock. */
 static fmi2Status check_time(const Instance *m, double now, double step)

@@ -7,7 +7,7 @@ import hashlib
 import json
 import platform
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -15,7 +15,8 @@ from cable_model.effects import CHAIN, TOW, variant
 from cable_model.scene import Scene
 from cable_model.simulated import parts_of
 from fmu_src.entries import ABSENT, KINDS, PRESENT, Variant
-from fmu_src.native.export import export
+from fmu_src.native.export import export, object_file
+from fmu_src.native.targets import LINUX, Target
 
 HERE = Path(__file__).resolve().parent
 _ROOT = HERE.parents[1]
@@ -24,6 +25,7 @@ _MADE_BY = (
     "fmu_src/entries.py",
     "fmu_src/native/export.py",
     "fmu_src/native/presence.py",
+    "fmu_src/native/targets.py",
     "cable_model/calls.py",
     "cable_model/effects.py",
     "cable_model/signals.py",
@@ -64,8 +66,8 @@ def _alone(lock: Path) -> Iterator[None]:
         yield
 
 
-def place(model: str, variants: Sequence[Variant]) -> Path:
-    """Where the object code of these variants is kept, in the user's cache, by the content of all that makes it."""
+def place(model: str, variants: Sequence[Variant], target: Target = LINUX) -> Path:
+    """Where the object code of these variants for a platform is kept, in the user's cache, by the content of all that makes it."""
     import llvmlite
     import numba
     import platformdirs
@@ -75,15 +77,11 @@ def place(model: str, variants: Sequence[Variant]) -> Path:
     made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants))]
     made_from += [(_ROOT / path).read_text(encoding="utf-8") for path in _MADE_BY]
     name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
-    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.o"
+    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.{target.name}.o"
 
 
-def object_code(model: str, variants: Sequence[Variant]) -> bytes:
-    """Entries kernel_0, kernel_1, ... of the variants as an object file, kept in the user's cache.
-
-    Raises ExportError where the export fails.
-    """
-    path = place(model, variants)
+def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
+    """What a file of the cache holds, made first where it is not there."""
     if path.is_file():
         return path.read_bytes()
     try:
@@ -91,8 +89,21 @@ def object_code(model: str, variants: Sequence[Variant]) -> bytes:
         with _alone(path.with_suffix(".lock")):
             if not path.is_file():
                 part = path.with_suffix(".part")
-                part.write_bytes(export(model, variants))
+                part.write_bytes(make())
                 part.replace(path)
             return path.read_bytes()
     except OSError:
-        return export(model, variants)  # a cache that cannot be written is none
+        return make()  # a cache that cannot be written is none
+
+
+def bitcode(model: str, variants: Sequence[Variant]) -> bytes:
+    """Entries kernel_0, kernel_1, ... of the variants as LLVM's bitcode, for all platforms, kept in the user's cache.
+
+    Raises ExportError where the export fails.
+    """
+    return _kept(place(model, variants).with_suffix("").with_suffix(".bc"), lambda: export(model, variants))
+
+
+def object_code(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
+    """The same as an object file for a platform, kept likewise."""
+    return _kept(place(model, variants, target), lambda: object_file(bitcode(model, variants), target))
