@@ -19,7 +19,7 @@ from native_support import KEYS, library_of, only_where_they_run
 from cable_model.errors import ParameterError
 from cable_model.kernels import jit
 from cable_model.models import MODELS
-from fmu_src.native import build, export, object_code
+from fmu_src.native import build, export, link, object_code
 
 ROOT = Path(__file__).resolve().parent.parent
 pytestmark = only_where_they_run
