@@ -11,7 +11,8 @@ from typing import Any
 # a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
-TABLES = ("current", "waves")  # the tables that an entry takes
+TABLES = ("current", "waves", "curve")  # the tables that an entry takes
+RELEASED = "released"  # beside the parts of a variant: whether the cable hangs anchored and is let go at the start
 SIZES, START, STEP, ADVANCE, POSITIONS, OUTPUTS = range(6)  # what an entry is asked for, see fmu_src.native.export
 ROWS = 9  # of a path of the top
 PATH, END, WORK = 0, 4 * ROWS, 4 * ROWS + 10  # places in an entry's work array: path, inputs at its end, the kernels' own
@@ -24,7 +25,9 @@ EXTERNAL = (
 Variant = Mapping[str, int]
 
 
-def serves(variant: Variant, parts: Any) -> bool:
-    """Whether a variant does what a scene with these parts asks for."""
+def serves(variant: Variant, parts: Any, released: bool = False) -> bool:
+    """Whether a variant does what a scene with these parts asks for; `released`: whose lower end is let go."""
+    if released != bool(variant.get(RELEASED, ABSENT)):
+        return False
     asked = {name: ABSENT if part is None else PRESENT for name, part in parts._asdict().items()}
     return all(variant[name] in (kind, EITHER, ALWAYS) for name, kind in asked.items())

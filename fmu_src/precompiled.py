@@ -24,7 +24,7 @@ from cable_model.signals import OUTPUTS as SIGNALS
 from fmu_src.entries import ADVANCE, END, EXTERNAL, OUTPUTS, POSITIONS, SIZES, START, STEP, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
-_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipip"))  # releases the interpreter's lock
+_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipip"))  # releases the interpreter's lock
 _NO_LEVELS = np.zeros((1, 3))
 _NO_WAVES = np.zeros((0, 6))
 
@@ -42,8 +42,11 @@ class ObjectCode:
         if self.refusal(model):
             return None
         engine, entries = self._loaded
-        entry = next(entry for entry, variant in zip(entries, self._variants, strict=True) if serves(variant, model.parts))
-        return Precompiled(entry, model, engine)
+        return Precompiled(entries[self._serving(model)[0]], model, engine)
+
+    def _serving(self, model: Model) -> list[int]:
+        released = model.scene.lower_end.released
+        return [k for k, variant in enumerate(self._variants) if serves(variant, model.parts, released)]
 
     def refusal(self, model: Model) -> str:
         """Why the object code does not serve a model; "" where it does."""
@@ -51,7 +54,7 @@ class ObjectCode:
             return "the object code is not the one that the FMU was built with"
         if not self._code:
             return "the FMU was built without object code"
-        if model.scene.lower_end.released or not any(serves(variant, model.parts) for variant in self._variants):
+        if not self._serving(model):
             return "no variant in the object code has these effects"
         return self._unloadable
 
@@ -108,10 +111,12 @@ class Precompiled:
         parts = model.parts
         levels: Any = _NO_LEVELS if parts.current is None else parts.current
         waves: Any = _NO_WAVES if parts.waves is None else parts.waves
+        curve: Any = _NO_LEVELS if parts.curve is None else parts.curve
         self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
         present = np.array([float(part is not None) for part in parts])
-        self._held = (model.numbers, present, levels, waves, engine)  # only their addresses are passed
-        fixed = (_at(self._inputs), _at(model.numbers), _at(present), _at(levels), len(levels), _at(waves), len(waves))
+        self._held = (model.numbers, present, levels, waves, curve, engine)  # only their addresses are passed
+        tables = (_at(levels), len(levels), _at(waves), len(waves), _at(curve), len(curve))
+        fixed = (_at(self._inputs), _at(model.numbers), _at(present), *tables)
         new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
         entry(*status, SIZES, 0.0, 0.0, 0, *fixed, None, 0, None, 0, new_at)
         sizes = self._new[:2].astype(int)

@@ -95,7 +95,7 @@ def test_kernels_edited_since_the_process_started_are_not_exported_under_the_old
 def test_without_a_compiler_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture):
     monkeypatch.setattr(link, "compiler", lambda: None)
     monkeypatch.setattr(link, "has_zig", lambda: False)
-    with pytest.raises(ParameterError, match=r"linker for linux64 = none: must be zig or, on 64-bit Linux, a C compiler\. Run `pip install"):
+    with pytest.raises(ParameterError, match=r"linker for linux64 = none: must be zig or, on 64-bit Linux, a C compiler\. Run `pip"):
         build.build_native("tow", tmp_path / "TowCable.fmu")
     assert build.build_all(tmp_path) == []
     text = "No native FMUs: they need zig (pip install ziglang) or, on 64-bit Linux, a C compiler (cc, gcc or clang).\n"

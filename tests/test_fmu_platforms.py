@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from fmu_support import FIRST, Fmu
 from native_support import KEYS, lean, values_of
-from test_fmu_native import STEP, native_run
+from test_fmu_native import native_run
 
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
@@ -33,7 +33,7 @@ pytestmark = [
 STEPS = 200
 SHIPPED = [("chain", "hanging_chain"), ("chain", "towed_body"), ("chain", "basin_chain"), ("tow", "towed_body"), ("tow", "dale_sphere")]
 PLACES = {"linux64": ".so", "win64": ".dll", "darwin64": ".dylib", "aarch64-linux": ".so"}
-WINE = next((path for path in ("/usr/lib/wine/wine64", shutil.which("wine64") or "", shutil.which("wine") or "") if Path(path).is_file()), "")
+WINE = shutil.which("wine64", path=f"{os.environ['PATH']}:/usr/lib/wine") or shutil.which("wine") or ""
 QEMU, ARM_LIBRARIES = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64") or "", Path("/usr/aarch64-linux-gnu")
 RUNNERS = [
     pytest.param(("win64", [WINE]), marks=pytest.mark.skipif(not WINE, reason="needs wine64")),

@@ -8,18 +8,13 @@ import re
 import sys
 import uuid
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, indent, tostring
 
 from cable_model import __version__
-from cable_model.condition import Given
-from cable_model.effects import BY_NAME
-from cable_model.errors import ParameterError, refuse
 from cable_model.models import MODELS
-from cable_model.parameters import value_of
 from cable_model.scene import Scene
-from cable_model.simulated import is_on, true
 from fmu_src.entries import Variant
 from fmu_src.interface import Variable, generic_scene, table
 from fmu_src.model_description import model_description, osp_description
@@ -72,27 +67,13 @@ def _zip(files: dict[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def refused(scene: Scene, model: str) -> Iterator[ParameterError]:
-    """What a native FMU of a baked scene would leave out without a word: tables that the C layer does not hand over, and the release."""
-    for name in ("waves.spectrum", "waves.table", "cable.stiffness_curve", "lower_end.released"):
-        value = value_of(scene, name)
-        if true(Given(name), scene, model):
-            shown, none = (len(value), "empty") if isinstance(value, tuple) else (value, "none" if isinstance(value, str) else "false")
-            yield refuse(name, shown, "", f"{none} in a native FMU", "Build the FMU that runs Python: leave out --native.")
-    if is_on(BY_NAME["finite_depth"], scene, model):
-        yield refuse("water.depth", scene.water.depth if scene.water else 0.0, "m", "0 in a native FMU", "Build the FMU that runs Python.")
-
-
 def build_native(model_name: str, destination: Path, scene: Scene | None = None, platforms: Sequence[str] = ()) -> Path:
     """Write the native FMU of a model ("chain" or "tow") for some platforms, by their folders in an FMU; none named: for all it can.
 
     scene None: the parameters decide on the effects when the FMU initializes; otherwise the scene is baked in and only its effects are
-    compiled.  The same input gives the same bytes.  Raises ParameterError where nothing can be linked, and for what native FMUs of
-    scenes cannot do.
+    compiled.  The same input gives the same bytes.  Raises ParameterError where nothing can be linked.
     """
     targets = link.chosen(platforms)
-    for error in () if scene is None else refused(scene, model_name):
-        raise error
     identifier = re.sub(r"\W", "_", destination.stem, flags=re.ASCII)
     identifier = identifier if identifier[:1].isalpha() else f"Cable_{identifier}"
     base = generic_scene() if scene is None else scene

@@ -22,7 +22,7 @@ typedef struct {
     Core core;
     int variant;
     double numbers[N_NUMBERS], present[N_PARTS];
-    double levels[N_BAKED_LEVELS + 1][3], component[1][6];
+    double levels[N_BAKED_LEVELS + 1][3], components[N_BAKED_WAVES + 1][6];
     int64_t n_levels, n_components, n_state, n_work;
     double *state, *work;
     char active[1024];
@@ -142,8 +142,8 @@ static void fill_tables(Instance *m)
     const double wave[6] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], x[WAVE_DIRECTION], x[WAVE_PHASE], 0.0};
     memset(m->levels, 0, sizeof m->levels);
     m->n_levels = 1;
-    m->n_components = m->present[WAVES] != 0.0;
-    memcpy(m->component, wave, sizeof wave);
+    m->n_components = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
+    memcpy(m->components, N_BAKED_WAVES > 0 ? baked_waves[0] : wave, (size_t)(N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1) * sizeof wave);
     if (N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0) {
         m->n_levels = N_BAKED_LEVELS;
         memcpy(m->levels, baked_levels, N_BAKED_LEVELS * sizeof *baked_levels);
@@ -156,8 +156,8 @@ static int64_t run(Instance *m, int what, double time, double step, const double
     int64_t status = OK;
     void *error = NULL;
     int broken = kernels[m->variant](&status, &error, what, time, step, (int64_t)m->core.values[MOTION_ORDER], inputs, m->numbers,
-                                     m->present, m->levels[0], m->n_levels, m->component[0], m->n_components, m->state, m->n_state,
-                                     m->work, m->n_work, outputs);
+                                     m->present, m->levels[0], m->n_levels, m->components[0], m->n_components, baked_curve[0],
+                                     N_BAKED_CURVE, m->state, m->n_state, m->work, m->n_work, outputs);
     for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
         if (!isfinite(outputs[k]))
             status = NOT_FINITE;

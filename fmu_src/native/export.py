@@ -28,6 +28,8 @@ from fmu_src.entries import (
     OUTPUTS,
     PATH,
     POSITIONS,
+    PRESENT,
+    RELEASED,
     ROWS,
     SIZES,
     START,
@@ -52,7 +54,8 @@ ENVIRONMENT = {
 ENTRY = """
 int32_t {name}(int64_t *status, void **error, int64_t what, double time, double step, int64_t order, const double *inputs,
                const double *numbers, const double *present, const double *current, int64_t levels, const double *waves,
-               int64_t components, double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
+               int64_t components, const double *curve, int64_t rows, double *state, int64_t state_size, double *work, int64_t work_size,
+               double *outputs);
 """
 
 # numba's views of the arrays, which are all contiguous, ask for this function
@@ -103,7 +106,7 @@ class ExportError(RuntimeError):
 
 
 def _parts(variant: Variant) -> Any:
-    """A jitted function of (present, current, waves) that makes the parts of a variant."""
+    """A jitted function of (present, current, waves, curve) that makes the parts of a variant."""
     from numba import njit
 
     from cable_model.effects import Parts
@@ -123,7 +126,30 @@ def _parts(variant: Variant) -> Any:
         else:
             made.append(f"either(present[{k}])" if variant[name] == EITHER else "True")
     # numba wants the members of a named tuple spelled out
-    return njit(eval(f"lambda present, current, waves: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+    return njit(eval(f"lambda present, current, waves, curve: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+
+
+def _start(kernels: Any, released: bool) -> Any:
+    """A jitted function of (parts, held, numbers, time, state, work) that finds the start: with the parts `held` where they are let go."""
+    from cable_model.kernels import header
+    from fmu_src.native import presence
+
+    if not released:
+        initialize = kernels.initialize
+
+        def start(parts, held, numbers, time, state, work):
+            return initialize(parts, numbers, time, state, work)
+
+        return presence.kernel(start)
+    settle, set_off, ok = kernels.settle, kernels.set_off, header.OK
+
+    def let_go(parts, held, numbers, time, state, work):
+        status = settle(held, numbers, time, state, work)
+        if status == ok:
+            status = set_off(parts, numbers, time, state, work)
+        return status
+
+    return presence.kernel(let_go)
 
 
 def _entry(kernels: Any, variant: Variant) -> Any:
@@ -140,16 +166,18 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
-    parts_now = _parts(variant)
-    advance, initialize, write_outputs = kernels.advance, kernels.initialize, kernels.outputs
+    released = bool(variant.get(RELEASED, ABSENT))
+    parts_now, held_then, start = _parts(variant), _parts({**variant, "anchor": PRESENT}), _start(kernels, released)
+    advance, write_outputs = kernels.advance, kernels.outputs
     state_size, work_size, node_positions = kernels.state_size, kernels.work_size, kernels.node_positions
     ok, again = header.OK, host_trials.AGAIN
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
-    def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, y, n_y, w, n_w, out):
+    def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, curve, n_rows, y, n_y, w, n_w, out):
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
-        parts = parts_now(carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6)))
+        present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6))
+        parts = parts_now(present, current, waves, carray(curve, (n_rows, 3)))
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
@@ -182,7 +210,8 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                status = initialize(parts, numbers, time, state, work[WORK:])
+                held = held_then(present, current, waves, carray(curve, (n_rows, 3)))
+                status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif what != OUTPUTS:
                 outputs[0] = top.mean_speed(path, step)
@@ -214,7 +243,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     from fmu_src.native import presence
 
     kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
-    arguments = tuple(kinds[kind] for kind in "iddipnppipipipip")  # as ENTRY
+    arguments = tuple(kinds[kind] for kind in "iddipnppipipipipip")  # as ENTRY
     flags: Any = compiler.Flags()
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
     flags.enable_pyobject = False

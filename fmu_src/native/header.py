@@ -28,7 +28,7 @@ from fmu_src.entries import Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables
 from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.export import ENTRY
-from fmu_src.native.rules import AtStart, Rules
+from fmu_src.native.rules import AtStart, Rules, has_sea
 from fmu_src.order import STEP_SLACK, TIME_SLACK
 
 TYPES = """
@@ -73,6 +73,11 @@ def _condition(literals: Sequence[Literal] | None) -> str:
 
 def _array(kind: str, name: str, lines: Iterable[str], size: str = "") -> str:
     return f"static const {kind} {name}[{size}] = {{\n" + "".join(f"    {line},\n" for line in lines) + "};\n"
+
+
+def _rows(table: Any) -> list[str]:
+    """Rows of a baked table in C; no table, no rows."""
+    return [] if table is None else [f"{{{', '.join(repr(float(x)) for x in row)}}}" for row in table]
 
 
 def _variable(row: Variable, rules: Rules, vr: int) -> str:
@@ -156,8 +161,9 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     bare = _bare(MODELS[model])
     formats, arguments = _failures(bare)
     parts = rules.parts()
-    baked: Any = parts_of(scene, model).current if scene.current.levels else None
-    levels = [] if baked is None else [f"{{{', '.join(repr(float(x)) for x in row)}}}" for row in baked]
+    baked = parts_of(scene, model)
+    levels = _rows(baked.current if scene.current.levels else None)
+    sea, curve = _rows(baked.waves if has_sea(scene, model) else None), _rows(baked.curve)
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
     names = {
         "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_NUMBERS": len(PARAMETERS),
@@ -167,6 +173,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "WAVE_AMPLITUDE": place["wave.amplitude"], "WAVE_PERIOD": place["wave.period"],
         "WAVE_DIRECTION": place["wave.direction"], "WAVE_PHASE": place["wave.phase"],
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
+        "N_BAKED_WAVES": len(sea), "N_BAKED_CURVE": len(curve),
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
         "CHANGED": CHANGED,
@@ -199,5 +206,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("char *const", "failures", formats),
         _array("char *const", "doubts", (_text(text) for text in SEEN)),
         _array("double", "baked_levels", levels or ["{0.0, 0.0, 0.0}"], "][3"),
+        _array("double", "baked_waves", sea or ["{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}"], "][6"),
+        _array("double", "baked_curve", curve or ["{0.0, 0.0, 0.0}"], "][3"),
     ]
     return "\n".join(blocks)

@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from cable_model.effects import CHAIN, TOW, variant
+from cable_model.effects import BY_NAME, CHAIN, TOW, variant
 from cable_model.scene import Scene
-from cable_model.simulated import parts_of
-from fmu_src.entries import ABSENT, KINDS, PRESENT, Variant
+from cable_model.simulated import is_on, parts_of
+from fmu_src.entries import ABSENT, KINDS, PRESENT, RELEASED, Variant
 from fmu_src.native.export import export, object_file
 from fmu_src.native.targets import LINUX, Target
 
@@ -53,7 +53,8 @@ def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
     """What is compiled: exactly the parts of a baked scene, or the generic set."""
     if scene is None:
         return GENERIC[model]
-    return ({name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()},)
+    parts = {name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()}
+    return (parts | ({RELEASED: PRESENT} if is_on(BY_NAME[RELEASED], scene, model) else {}),)
 
 
 @contextlib.contextmanager

@@ -10,18 +10,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_model.condition import Case, Condition
-from cable_model.effects import BOX, CHAIN, EFFECTS, INSTEAD, PARAMETERS, STAGGERED, Effect
+from cable_model.condition import Case, Condition, Given
+from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, INSTEAD, PARAMETERS, STAGGERED, Effect
 from cable_model.errors import ParameterError
 from cable_model.model import Model
 from cable_model.parameters import field_of
 from cable_model.rules import RULES, START_RULES
 from cable_model.scene import Scene, with_values
 from cable_model.signals import INPUTS
-from cable_model.simulated import ON_BOX, decides, grid_refusal, literals, refused_on, when, why
-from fmu_src.interface import Variable, in_scenes, kept
+from cable_model.simulated import ON_BOX, decides, grid_refusal, is_on, literals, refused_on, true, when, why
+from fmu_src.interface import Variable, in_scenes, kept, scene_name
 
 TAIL = re.compile(r"(.+?) = (.*?): must be (.*)", re.DOTALL)
+
+
+_SEA = ("wave.amplitude", "wave.period", "wave.direction", "wave.phase", "environment.gravity")  # what the rows of a sea are made of
+
+
+def has_sea(scene: Scene, model: str) -> bool:
+    """Whether a scene's waves are baked in as rows: many, or over a finite depth."""
+    given = (Given("waves.spectrum"), Given("waves.table"))
+    return any(true(condition, scene, model) for condition in given) or is_on(BY_NAME["finite_depth"], scene, model)
 
 
 @dataclass(frozen=True)
@@ -168,7 +177,12 @@ class Rules:
     @functools.cached_property
     def kept(self) -> Mapping[str, str]:
         """What the parameters must be that must keep their start values, by their names."""
-        return {name: f"{rule}. {remedy}" for name, (rule, remedy) in kept(self.base, self.model).items()}
+        found = kept(self.base, self.model)
+        if has_sea(self.base, self.model):
+            for name in _SEA:
+                start = self.rows[self._place[scene_name(name)]].start
+                found.setdefault(name, (f"{start:g} where a sea is baked into a native FMU", "Bake it with this value."))
+        return {name: f"{rule}. {remedy}" for name, (rule, remedy) in found.items()}
 
     def numbers(self) -> list[tuple[int, int]]:
         """For each number of the kernels the variable that it is, and the one that takes its place below zero (or -1)."""
