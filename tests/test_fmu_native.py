@@ -21,7 +21,7 @@ from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.parameters import field_of
-from cable_model.scene import Scene, load, with_values
+from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.signals import INPUTS
 from cable_model.simulated import effects, numbers_of, one_line, parts_of
 from fmu_src.entries import ABSENT, PRESENT
@@ -130,6 +130,67 @@ def test_a_baked_scene_has_exactly_its_own_parts(tmp_path: Path):
         "Use the FMU that runs Python, or bake the scene."
     ]
     other.close()
+
+
+WATER = {"density": 1025.0, "depth": 60.0}
+BAKED: dict[str, tuple[str, dict[str, Any]]] = {
+    "chain let go in a stretched sea over a bottom, with a table of its stiffness": ("chain", {
+        "cable": {
+            "length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "stiffness_curve": [[0.0, 0.0], [0.05, 5e3], [0.2, 8e4]],
+            "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2,
+        },
+        "water": WATER, "top": {"position": [0.0, 0.0, 2.0]},
+        "waves": {
+            "spectrum": "jonswap", "significant_height": 1.0, "peak_period": 5.0, "components": 12, "surface": "wheeler",
+        },
+        "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21},
+    }),
+    "chain on the box grid": ("chain", {
+        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
+        "water": {"density": 1025.0}, "body": {"mass": 50.0}, "solver": {"nodes": 21, "grid": "box"},
+        "top": {"position": [0.0, 0.0, -1.0]},
+    }),
+    "tow in waves of a table, cut, over a bottom": ("tow", {
+        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
+        "body": {"mass": 200.0, "volume": 0.02}, "water": WATER,
+        "waves": {"table": [[0.5, 8.0, 0.0, 0.3], [0.2, 5.0, 0.0, 1.0]], "surface": "cut"},
+    }),
+}  # fmt: skip
+
+
+def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Path) -> Instance:
+    """An instance of the native FMU of a scene, after a run that gave what the library gives."""
+    fmu = Fmu(build.build_native(key, folder / "Baked.fmu", scene, ["linux64"]), folder / "x")
+    start = np.array([*scene.top.position, *[0.0] * 6])
+    inputs = np.array([start + sway(k * step, 0.05) for k in range(steps)])
+    instance = fmu.instance()
+    assert_same(native_run(instance, {}, inputs, step), library_run(key, scene, inputs, step))
+    assert instance.get("effects.active") == one_line(scene, key)
+    return fmu.instance()
+
+
+@pytest.mark.parametrize("case", BAKED)
+def test_any_scene_can_be_baked(case: str, tmp_path: Path):
+    key, values = BAKED[case]
+    same_when_baked(from_dict(values), key, 20, STEP, tmp_path)
+
+
+def test_what_a_baked_sea_was_made_of_can_not_be_changed(tmp_path: Path):
+    key, values = BAKED["tow in waves of a table, cut, over a bottom"]
+    other = same_when_baked(from_dict(values), key, 5, STEP, tmp_path)
+    with pytest.raises(FMICallException):
+        other.initialize({"environment.gravity": 9.9})
+    assert other.errors == [
+        "environment.gravity = 9.9 m/s2: must be 9.80665 where a sea is baked into a native FMU. Bake it with this value."
+    ]
+    other.close()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", shipped())
+def test_every_shipped_scene_can_be_baked(name: str, tmp_path: Path):
+    scene = load(name)
+    same_when_baked(scene, scene.run.model, 20, scene.solver.time_step, tmp_path)
 
 
 def test_a_host_without_python_gets_the_same_bits_in_two_threads_and_all_memory_back(fmu: Fmu, tmp_path: Path):
