@@ -169,7 +169,7 @@ def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Pat
     return fmu.instance()
 
 
-@pytest.mark.parametrize("case", BAKED)
+@pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.long if "box" in case else ()) for case in BAKED])
 def test_any_scene_can_be_baked(case: str, tmp_path: Path):
     key, values = BAKED[case]
     same_when_baked(from_dict(values), key, 20, STEP, tmp_path)
