@@ -66,9 +66,7 @@ def plain_host(fmus: dict[str, Fmu], tmp_path: Path):
     """A C program that knows nothing of Python, and runs TowCable; `values` are its environment, the whole of it."""
     fmu, host = fmus["tow"], tmp_path / "host"
     source = Path(__file__).parent / "native_host.c"
-    subprocess.run(
-        [str(link.compiler()), "-O1", f"-I{link.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True
-    )
+    subprocess.run([str(link.compiler()), "-O1", f"-I{link.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True)
     library = Path(fmu.folder) / "binaries" / "linux64" / "TowCable.so"
     arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(len(INPUTS))]
 

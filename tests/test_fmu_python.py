@@ -30,7 +30,8 @@ pytestmark = pytest.mark.shipped
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = [("chain", "hanging_chain"), ("chain", "towed_body"), ("tow", "dale_sphere")]
-SCENES += [pytest.param(*case, marks=pytest.mark.long) for case in (("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body"))]
+LONGER = [("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body")]
+SCENES += [pytest.param(*case, marks=pytest.mark.long) for case in LONGER]
 SMOOTH = top_motion(
     Top(
         motion=tuple(
