@@ -104,7 +104,7 @@ SEEN = (
     "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
     "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. "
     "Check cable.length against the distance of its ends, and the unit of cable.axial_stiffness (N).",
-    "weight in water = %.3g N of a mass of %.4g kg: there is no unique rest position, and rounding decides where the run starts. "
+    "weight in water = %.3g N of a mass of %.4g kg: there is no unique rest position, and the run starts from one of many. "
     "Give cable or body some weight, or a current.",
     "weight in water = %.3g N of a mass of %.4g kg between two held ends: the slack cable rests in any shape, and the run starts from one. "
     "Give the cable some weight, or a current.",

@@ -222,6 +222,8 @@ def main(
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
+        if platform and (native is False or (scene and not native)):
+            raise ParameterError("--platform: must be left out where no native FMU is built. Add --native.")
         if date:
             os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         made: list[Path] = []
@@ -232,7 +234,7 @@ def main(
             if key not in MODELS:
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
             target = output or Path("dist") / f"{Path(scene).stem}.fmu"
-            if native:  # first: it may refuse the scene
+            if native:
                 made = [native_build.build_native(key, target.parent / "native" / target.name, baked, platform or ())]
             tried = {key: build(key, baked, target, precompile=precompile)}
             made = [*tried.values(), *made]
@@ -240,11 +242,12 @@ def main(
             dist = output or Path("dist")
             if can_export() and (precompile or native is not False):
                 prepare_generic()
-            made = native_build.build_all(dist, platform or ()) if native is not False else []
+            asked = native or platform  # then what cannot be linked is an error
+            made = native_build.build_all(dist, platform or (), bool(asked)) if native is not False else []
             python = dist / "python"
             tried = {key: build(key, generic_scene(), python / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS}
             made += tried.values()
-        if native is not False and (words := link.missing()):
+        if native is not False and not platform and (native or not scene) and (words := link.missing()):
             typer.echo(words, err=True)
         for path in made:
             typer.echo(f"{path}  {path.stat().st_size} bytes")

@@ -26,7 +26,7 @@ from fmu_src.entries import ADVANCE, END, EXTERNAL, OUTPUTS, POSITIONS, SIZES, S
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
 _ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipip"))  # releases the interpreter's lock
 _NO_LEVELS = np.zeros((1, 3))
-_NO_WAVES = np.zeros((0, 6))
+_NO_WAVES, _NO_CURVE = np.zeros((0, 6)), np.zeros((0, 3))
 
 
 class ObjectCode:
@@ -111,7 +111,7 @@ class Precompiled:
         parts = model.parts
         levels: Any = _NO_LEVELS if parts.current is None else parts.current
         waves: Any = _NO_WAVES if parts.waves is None else parts.waves
-        curve: Any = _NO_LEVELS if parts.curve is None else parts.curve
+        curve: Any = _NO_CURVE if parts.curve is None else parts.curve
         self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
         present = np.array([float(part is not None) for part in parts])
         self._held = (model.numbers, present, levels, waves, curve, engine)  # only their addresses are passed

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chain_support import make, still
+from chain_support import make, still, view
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, fsolve
 
@@ -162,3 +162,13 @@ def test_a_cable_of_the_density_of_the_water_hangs_straight_down_whatever_roundi
     model.initialize(still()(0.0))
     assert model.positions()[0] == pytest.approx([0.0, 0.0, -100.0], abs=1e-4)
     assert np.linalg.norm(np.diff(model.positions(), axis=0), axis=1).sum() == pytest.approx(100.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(("length", "diameter", "mass"), [(100.0, 0.0076, 400.0), (20.0, 0.008, 10000.0)])
+def test_the_cells_of_a_neutral_tether_under_a_heavy_body_are_equal(length, diameter, mass):
+    """Waves across it are as fast everywhere: its tension is that of the body."""
+    neutral = DENSITY * 0.25 * np.pi * diameter**2
+    cable = {"length": length, "diameter": diameter, "mass_per_length": neutral, "axial_stiffness": 1e7}
+    model = make({"cable": cable, "body": {"mass": mass}, "water": {"density": DENSITY}, "solver": {"nodes": 51}})
+    model.initialize(still()(0.0))
+    assert view(model).mesh == pytest.approx(np.tile([length / 50, 0.5], (50, 1)), rel=1e-6)

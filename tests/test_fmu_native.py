@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -134,7 +135,7 @@ def test_a_baked_scene_has_exactly_its_own_parts(tmp_path: Path):
 
 WATER = {"density": 1025.0, "depth": 60.0}
 BAKED: dict[str, tuple[str, dict[str, Any]]] = {
-    "chain let go in a stretched sea over a bottom, with a table of its stiffness": ("chain", {
+    "chain let go in a stretched sea over a bottom, with a table of its stiffness and the audit": ("chain", {
         "cable": {
             "length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "stiffness_curve": [[0.0, 0.0], [0.05, 5e3], [0.2, 8e4]],
             "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2,
@@ -143,30 +144,35 @@ BAKED: dict[str, tuple[str, dict[str, Any]]] = {
         "waves": {
             "spectrum": "jonswap", "significant_height": 1.0, "peak_period": 5.0, "components": 12, "surface": "wheeler",
         },
-        "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21},
+        "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21, "audit": True},
     }),
     "chain on the box grid": ("chain", {
         "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
         "water": {"density": 1025.0}, "body": {"mass": 50.0}, "solver": {"nodes": 21, "grid": "box"},
         "top": {"position": [0.0, 0.0, -1.0]},
     }),
-    "tow in waves of a table, cut, over a bottom": ("tow", {
+    "tow in space, in a spread sea that is cut, over a bottom, and a current of a table": ("tow", {
         "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
-        "body": {"mass": 200.0, "volume": 0.02}, "water": WATER,
-        "waves": {"table": [[0.5, 8.0, 0.0, 0.3], [0.2, 5.0, 0.0, 1.0]], "surface": "cut"},
+        "body": {"mass": 200.0, "volume": 0.02}, "water": WATER, "solver": {"space": True},
+        "current": {"levels": [[-60.0, 0.1, 0.0], [0.0, 0.5, 1.0]]},
+        "waves": {
+            "spectrum": "pierson-moskowitz", "significant_height": 1.0, "peak_period": 6.0, "components": 15, "surface": "cut",
+            "direction": 0.4, "spreading_exponent": 4.0,
+        },
     }),
 }  # fmt: skip
 
 
-def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Path) -> Instance:
-    """An instance of the native FMU of a scene, after a run that gave what the library gives."""
+def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Path) -> Fmu:
+    """The native FMU of a scene, which gives what the library gives, and goes on alike from a saved state."""
     fmu = Fmu(build.build_native(key, folder / "Baked.fmu", scene, ["linux64"]), folder / "x")
     start = np.array([*scene.top.position, *[0.0] * 6])
     inputs = np.array([start + sway(k * step, 0.05) for k in range(steps)])
     instance = fmu.instance()
     assert_same(native_run(instance, {}, inputs, step), library_run(key, scene, inputs, step))
-    assert instance.get("effects.active") == one_line(scene, key)
-    return fmu.instance()
+    assert instance.get("effects.active") == in_variables(one_line(scene, key))
+    instance.close()
+    return fmu
 
 
 @pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.long if "box" in case else ()) for case in BAKED])
@@ -175,15 +181,42 @@ def test_any_scene_can_be_baked(case: str, tmp_path: Path):
     same_when_baked(from_dict(values), key, 20, STEP, tmp_path)
 
 
-def test_what_a_baked_sea_was_made_of_can_not_be_changed(tmp_path: Path):
-    key, values = BAKED["tow in waves of a table, cut, over a bottom"]
-    other = same_when_baked(from_dict(values), key, 5, STEP, tmp_path)
-    with pytest.raises(FMICallException):
-        other.initialize({"environment.gravity": 9.9})
-    assert other.errors == [
-        "environment.gravity = 9.9 m/s2: must be 9.80665 where a sea is baked into a native FMU. Bake it with this value."
-    ]
-    other.close()
+def test_what_a_baked_fmu_does_not_have_is_named_and_what_its_sea_was_made_of_is_kept(tmp_path: Path):
+    key, values = BAKED["tow in space, in a spread sea that is cut, over a bottom, and a current of a table"]
+    fmu = same_when_baked(from_dict(values), key, 5, STEP, tmp_path)
+    goes_on_from_a_state_saved_in_a_sliver(fmu)
+    kept = "where a sea is baked into a native FMU. Bake it with this value."
+    other = "Use the FMU that runs Python, or bake the scene."
+    for name, value, text in (
+        ("environment.gravity", 9.9, f"environment.gravity = 9.9 m/s2: must be 9.80665 {kept}"),
+        ("wave.direction", 0.1, f"wave.direction = 0.1 rad: must be 0.4 {kept}"),
+        ("wave.period", 9.0, "wave.period = 9 s: must be 10 where a spectrum of waves is baked in. Bake a scene without waves.spectrum."),
+        (
+            "cable.axial_damping",
+            9.0,
+            f"cable.axial_damping = 9 N s: must be 0: this native FMU was compiled without the part 'voigt'. {other}",
+        ),
+        (
+            "water.density",
+            0.0,
+            f"water.density = 0 kg/m3: must be other than 0: this native FMU was compiled with the part 'water'. {other}",
+        ),
+        ("solver.space", False, f"solver.space = False: must be other than 0: this native FMU was compiled with the part 'space'. {other}"),
+    ):
+        instance = fmu.instance()
+        with pytest.raises(FMICallException):
+            instance.initialize({name: value})
+        assert instance.errors == [text]
+        instance.close()
+
+
+def test_an_end_that_is_let_go_is_an_anchored_one_at_the_start():
+    key, values = next(iter(BAKED.values()))
+    scene = from_dict(values)
+    text = "true where a lower end that is let go is baked in. Bake a scene without lower_end.released."
+    assert Rules(table(scene), scene, key).kept["lower_end.anchored"] == text
+    with pytest.raises(ParameterError, match=re.escape(f"lower_end.anchored = False: must be {text}")):
+        scene_from_values(scene, {"lower_end.anchored": False}, key)
 
 
 @pytest.mark.long

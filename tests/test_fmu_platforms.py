@@ -22,14 +22,14 @@ from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import top_motion
 from cable_model.signals import INPUTS
+from fmu_src.build import main as build_main
 from fmu_src.interface import generic_scene, table
 from fmu_src.native import build, link
+from fmu_src.native.object_code import can_export
 from fmu_src.native.targets import TARGETS
 
-pytestmark = [
-    pytest.mark.skipif(not (link.available() and link.has_zig()), reason="needs 64-bit x86 Linux and ziglang"),
-    pytest.mark.xdist_group("native"),
-]
+pytestmark = pytest.mark.xdist_group("native")
+with_zig = pytest.mark.skipif(not (link.available() and link.has_zig()), reason="needs 64-bit x86 Linux and ziglang")
 STEPS = 200
 SHIPPED = [("chain", "hanging_chain"), ("chain", "towed_body"), ("chain", "basin_chain"), ("tow", "towed_body"), ("tow", "dale_sphere")]
 PLACES = {"linux64": ".so", "win64": ".dll", "darwin64": ".dylib", "aarch64-linux": ".so"}
@@ -54,6 +54,7 @@ def library_in(fmu: Fmu, folder: str) -> Path:
     return Path(fmu.folder) / "binaries" / folder / f"{fmu.path.stem}{PLACES[folder]}"
 
 
+@with_zig
 @pytest.mark.parametrize("key", sorted(MODELS))
 def test_one_archive_has_every_platform(fmus_of_all: dict[str, Fmu], key: str):
     path = fmus_of_all[key].path
@@ -63,15 +64,17 @@ def test_one_archive_has_every_platform(fmus_of_all: dict[str, Fmu], key: str):
     assert not fmpy.validation.validate_fmu(str(path))
 
 
+@with_zig
 @pytest.mark.parametrize("key", sorted(MODELS))
 def test_the_same_archive_comes_out_again_byte_for_byte(fmus_of_all: dict[str, Fmu], key: str, tmp_path: Path):
     again = build.build_native(key, tmp_path / fmus_of_all[key].path.name)
     assert again.read_bytes() == fmus_of_all[key].path.read_bytes()
 
 
+@with_zig
 @pytest.mark.parametrize("folder", ["linux64", "aarch64-linux"])
 @pytest.mark.parametrize("key", sorted(MODELS))
-def test_a_linux_library_runs_on_systems_of_2012(fmus_of_all: dict[str, Fmu], key: str, folder: str):
+def test_a_linux_library_asks_for_an_old_glibc(fmus_of_all: dict[str, Fmu], key: str, folder: str):
     """By the versions of glibc that it asks for: 2.17, as RHEL 7 has it, is the oldest on the arm."""
     code = library_in(fmus_of_all[key], folder).read_bytes()
     assert code[:4] == b"\x7fELF"
@@ -81,6 +84,7 @@ def test_a_linux_library_runs_on_systems_of_2012(fmus_of_all: dict[str, Fmu], ke
     assert max(versions) <= (2, 17)
 
 
+@with_zig
 @pytest.mark.parametrize("key", sorted(MODELS))
 def test_a_windows_library_shows_what_fmi_asks_for_and_needs_windows_alone(fmus_of_all: dict[str, Fmu], key: str):
     exported, imported = windows_names(library_in(fmus_of_all[key], "win64").read_bytes())
@@ -115,6 +119,7 @@ def windows_names(code: bytes) -> tuple[list[str], list[str]]:
     return exported, imported
 
 
+@with_zig
 @pytest.mark.parametrize("key", sorted(MODELS))
 def test_a_mac_library_has_both_processors_needs_the_system_alone_and_is_signed_for_the_arm(fmus_of_all: dict[str, Fmu], key: str):
     code = library_in(fmus_of_all[key], "darwin64").read_bytes()
@@ -153,7 +158,7 @@ def mac_commands(code: bytes) -> list[tuple[int, str]]:
 def runner(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, list[str]]:
     """A platform's folder, and the command that runs the C host there."""
     folder, command = request.param
-    target = next(target for target in TARGETS.values() if target.folder == folder)
+    target = next(target for target in TARGETS if target.folder == folder)
     host = tmp_path_factory.mktemp("host") / ("host.exe" if folder == "win64" else "host")
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-O1", f"-I{link.fmi_headers()}", "-o", str(host)]
     libraries = [] if folder == "win64" else ["-ldl", "-lpthread"]
@@ -161,6 +166,7 @@ def runner(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     return folder, [*command, str(host)]
 
 
+@with_zig
 @pytest.mark.parametrize(("key", "name"), SHIPPED)
 def test_a_shipped_scene_gives_the_same_numbers_on_another_platform(
     runner: tuple[str, list[str]], fmus_of_all: dict[str, Fmu], key: str, name: str, tmp_path_factory: pytest.TempPathFactory
@@ -191,10 +197,28 @@ def test_a_platform_that_nobody_knows_is_refused(tmp_path: Path):
         build.build_native("tow", tmp_path / "x.fmu", platforms=["win32"])
 
 
-@pytest.mark.skipif(link.compiler() is None, reason="needs a C compiler")
+@pytest.mark.skipif(link.compiler() is None or not can_export(), reason="needs a C compiler")
 def test_without_zig_there_is_the_machines_own_platform(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(link, "has_zig", lambda: False)
     with zipfile.ZipFile(build.build_native("tow", tmp_path / "x.fmu")) as archive:
         assert [name for name in archive.namelist() if name.startswith("binaries/")] == ["binaries/linux64/x.so"]
     with pytest.raises(ParameterError, match=r"linker for win64 = none: .* Run `pip install ziglang`"):
         build.build_native("tow", tmp_path / "x.fmu", platforms=["win64"])
+
+
+def test_a_platform_where_no_native_fmu_is_built_is_refused(tmp_path: Path):
+    app = typer.Typer()
+    app.command()(build_main)
+    for command in (["dale_sphere"], ["--no-native"]):
+        done = CliRunner().invoke(app, [*command, "--platform", "win64", "-o", str(tmp_path / "x")])
+        assert (done.exit_code, done.stderr) == (2, "--platform: must be left out where no native FMU is built. Add --native.\n")
+
+
+def test_what_is_missing_for_other_platforms_is_one_line(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(link, "available", lambda: TARGETS[:1])
+    monkeypatch.setattr(link, "has_zig", lambda: False)
+    assert link.missing() == (
+        "Native FMUs are for linux64 alone: linking for win64, darwin64, aarch64-linux needs zig. Run `pip install ziglang`."
+    )
+    monkeypatch.setattr(link, "has_zig", lambda: True)
+    assert link.missing() == ""

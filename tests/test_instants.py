@@ -1,4 +1,4 @@
-"""A force that swings within a communication step is told, by the library and all FMUs; a smooth one is not."""
+"""A force that swings within a communication step is told, by what numba compiles and what is shipped; a smooth one is not."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cable_model.cable_chain import CableChain
+from cable_model.just_in_time import JustInTime
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import OUTPUTS
 from cable_model.tow_cable import TowCable
@@ -61,3 +62,10 @@ def test_kicks_in_time_with_the_bounce_of_the_body_are_told(kind, share, at_end,
     miss, told = run(kind(hung(1, at_end)), share * BOUNCE, at_end)
     assert told == wrong
     assert (miss > 1.0) == wrong
+
+
+def test_what_numba_compiles_tells_the_same():
+    shipped, compiled = TowCable(hung(1, False)), TowCable(hung(1, False), lambda model: None)
+    assert isinstance(compiled._calls, JustInTime)
+    assert run(shipped, BOUNCE, False) == pytest.approx(run(compiled, BOUNCE, False), rel=1e-6)
+    assert compiled.warnings() == shipped.warnings() != ()

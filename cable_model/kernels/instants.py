@@ -10,6 +10,7 @@ import math
 from cable_model.kernels.exchange import MEAN, TOLD
 from cable_model.kernels.header import DOUBT, INSTANTS
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.ringing import ALIKE, IN_A_ROW, WINDOW
 from cable_model.kernels.watch import KICKED, SPAN, SWINGS, note
 
 FORCE = INSTANTS  # at the start of the last communication step, N; three numbers
@@ -22,11 +23,8 @@ TIME = INSTANTS + 10
 COUNT = INSTANTS + 11
 HITS = INSTANTS + 12  # windows in a row in which it swings
 
-WINDOW = 2.0  # s
 FEWEST = 16  # steps in a window
 LOUD = 0.005  # of the force
-IN_A_ROW = 2  # windows
-ALIKE = 2.0  # ratio of steps that follow one another
 
 
 @kernel
@@ -44,10 +42,10 @@ def _close_window(state):
 def watch_instants(p, state):
     """Look at the last communication step, where inputs are led on; before watch_inputs.
 
-    Where they are not, a force that swings is the cable's own vibration, and right at every instant.
+    Where the end's are given, a force that swings is the cable's own vibration, and right at every instant.
     """
     h = state[SPAN]
-    if h == 0.0 or p[0].top.inputs_at > 0.0 or p[0].host.mass > 0.0:
+    if h == 0.0 or p[0].top.inputs_at > 0.0:
         return
     before = state[LENGTH]
     if before < ALIKE * h and h < ALIKE * before:

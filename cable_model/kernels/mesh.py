@@ -14,9 +14,8 @@ def arc_length(xi, grading, length, end_tension, weight):
     top = end_tension + weight * length
     if weight <= 0.0 or end_tension < 0.0:
         return length * xi
-    low = end_tension**0.5
-    root = low + xi * (top**0.5 - low)
-    return (root - low) * (root + low) / weight
+    low, high = end_tension**0.5, top**0.5
+    return length * xi * (low + xi * (high - low) + low) / (high + low)  # (root^2 - low^2)/weight, exact for next to no weight too
 
 
 @kernel

@@ -17,7 +17,7 @@ FOLDER = "binaries/linux64"
 
 
 def can_compile() -> bool:
-    """Whether there is a C compiler for the launcher's platform."""
+    """Whether the launcher can be linked for its platform."""
     return LINUX in link.available()
 
 
@@ -37,7 +37,9 @@ def before_pythonfmu(entries: Mapping[str, bytes], identifier: str, guid: str) -
     """The files of an FMU, its library for Linux behind a launcher; as they are, with a line on stderr, where none can be compiled."""
     own = f"{FOLDER}/{identifier}.so"
     if not can_compile():
-        sys.stderr.write("No launcher in the FMU, which tells hosts of errors as FMI asks: it needs Linux and a C compiler.\n")
+        sys.stderr.write(
+            "No launcher in the FMU, which tells hosts of errors as FMI asks: it needs 64-bit x86 Linux, and zig or a C compiler.\n"
+        )
         return dict(entries)
     behind = {f"{FOLDER}/{identifier}_pythonfmu.so": entries[own], own: _compiled(identifier, guid)}
     return {**entries, **behind}

@@ -22,8 +22,8 @@ typedef struct {
     Core core;
     int variant;
     double numbers[N_NUMBERS], present[N_PARTS];
-    double levels[N_BAKED_LEVELS + 1][3], components[N_BAKED_WAVES + 1][6];
-    int64_t n_levels, n_components, n_state, n_work;
+    double level[3], wave[6];
+    int64_t n_state, n_work;
     double *state, *work;
     char active[1024];
     unsigned told; /* a bit for each kind of doubt */
@@ -72,19 +72,20 @@ static void give_back(const Instance *m, void *memory)
 
 /* -- from parameters to kernels */
 
-static int nonzero(const Core *core, int vr)
+static int variable_of(const Literal *l) { return l->variable >= CHANGED ? l->variable - CHANGED : l->variable; }
+
+static int true_of(const Literal *l, double value)
 {
-    if (vr >= CHANGED)
-        return core->values[vr - CHANGED] != variables[vr - CHANGED].usual;
-    double value = core->values[vr];
-    return variables[vr].angle ? fabs(sin(value)) > 1e-9 : value != 0.0;
+    const Variable *v = &variables[variable_of(l)];
+    int differs = l->variable >= CHANGED ? value != v->usual : v->angle ? fabs(sin(value)) > 1e-9 : value != 0.0;
+    return differs == l->nonzero;
 }
 
 static int holds(const Core *core, const Condition *condition)
 {
     int all = condition->count >= 0;
     for (int k = 0; k < condition->count; k++)
-        all &= nonzero(core, condition->literals[k].variable) == condition->literals[k].nonzero;
+        all &= true_of(&condition->literals[k], core->values[variable_of(&condition->literals[k])]);
     return all;
 }
 
@@ -108,56 +109,72 @@ static fmi2Status check_parameters(const Instance *m)
     return fmi2OK;
 }
 
-static int serves(const char *variant, const double *present)
+/* How many parts a variant lacks or has too many, and the first of them. */
+static int apart(const char *variant, const double *present, int *first)
 {
-    int all = 1;
-    for (int k = 0; k < N_PARTS; k++)
-        all &= variant[k] == EITHER || variant[k] == ALWAYS || variant[k] == (present[k] != 0.0 ? PRESENT : ABSENT);
-    return all;
+    int count = 0;
+    for (int k = N_PARTS - 1; k >= 0; k--)
+        if (variant[k] != EITHER && variant[k] != ALWAYS && variant[k] != (present[k] != 0.0 ? PRESENT : ABSENT))
+            count++, *first = k;
+    return count;
+}
+
+/* The value that a part is to be switched by: one that keeps it off, or the one that was changed to switch it on. */
+static const Literal *switch_of(const Core *core, int part)
+{
+    const Condition *c = &part_is_present[part];
+    const Literal *found = c->literals;
+    for (int k = c->count - 1; k >= 0; k--) {
+        const Literal *l = &c->literals[k];
+        int vr = variable_of(l);
+        if (!true_of(l, core->values[vr]) || (holds(core, c) && !true_of(l, variables[vr].start)))
+            found = l;
+    }
+    return found;
 }
 
 static fmi2Status choose_variant(Instance *m)
 {
     char text[200];
+    int fewest = N_PARTS + 1, part = 0;
     for (int k = 0; k < N_PARTS; k++)
         m->present[k] = holds(&m->core, &part_is_present[k]);
-    for (m->variant = 0; m->variant < N_VARIANTS; m->variant++)
-        if (serves(variants[m->variant], m->present))
-            return fmi2OK;
-    for (int k = 0; k < N_PARTS; k++) {
-        Literal l = unsupported[k];
-        if (l.variable >= 0 && nonzero(&m->core, l.variable) == l.nonzero)
-            return fail(m, "%s: must be %s: this native FMU was compiled %s the part '%s'. Use the FMU that runs Python, or bake the scene.",
-                        shown(l.variable, m->core.values[l.variable], text), l.nonzero ? "0" : "other than 0",
-                        l.nonzero ? "without" : "with", part_names[k]);
+    for (int k = 0; k < N_VARIANTS; k++) {
+        int first = 0, count = apart(variants[k], m->present, &first);
+        if (count < fewest)
+            fewest = count, m->variant = k, part = first;
     }
-    return fail(m, "effects: must be those that this native FMU was compiled with. Use the FMU that runs Python, or bake the scene.");
+    if (fewest == 0)
+        return fmi2OK;
+    const Literal *l = switch_of(&m->core, part);
+    int with = variants[m->variant][part] == PRESENT, vr = variable_of(l);
+    return fail(m, "%s: must be %s%g: this native FMU was compiled %s the part '%s'. Use the FMU that runs Python, or bake the scene.",
+                shown(vr, m->core.values[vr], text), l->nonzero == with ? "other than " : "", l->variable >= CHANGED ? variables[vr].usual : 0.0,
+                with ? "with" : "without", part_names[part]);
 }
 
-/* As scene._current_table and sea.components: one row each, zeros where there is none. */
+/* One row each where no table is baked in, zeros where there is none: as tables.current and sea.components. */
 static void fill_tables(Instance *m)
 {
     const double *x = m->core.values, omega = 2.0 * 3.141592653589793 / x[WAVE_PERIOD];
-    const double one_level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
+    const double level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
     const double wave[6] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], x[WAVE_DIRECTION], x[WAVE_PHASE], 0.0};
-    memset(m->levels, 0, sizeof m->levels);
-    m->n_levels = 1;
-    m->n_components = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
-    memcpy(m->components, N_BAKED_WAVES > 0 ? baked_waves[0] : wave, (size_t)(N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1) * sizeof wave);
-    if (N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0) {
-        m->n_levels = N_BAKED_LEVELS;
-        memcpy(m->levels, baked_levels, N_BAKED_LEVELS * sizeof *baked_levels);
-    } else if (m->present[CURRENT] != 0.0)
-        memcpy(m->levels, one_level, sizeof one_level);
+    memset(m->level, 0, sizeof m->level);
+    if (m->present[CURRENT] != 0.0)
+        memcpy(m->level, level, sizeof level);
+    memcpy(m->wave, wave, sizeof wave);
 }
 
 static int64_t run(Instance *m, int what, double time, double step, const double *inputs, double *outputs)
 {
     int64_t status = OK;
     void *error = NULL;
+    int levels = N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0;
+    int64_t n_waves = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
     int broken = kernels[m->variant](&status, &error, what, time, step, (int64_t)m->core.values[MOTION_ORDER], inputs, m->numbers,
-                                     m->present, m->levels[0], m->n_levels, m->components[0], m->n_components, baked_curve[0],
-                                     N_BAKED_CURVE, m->state, m->n_state, m->work, m->n_work, outputs);
+                                     m->present, levels ? baked_levels[0] : m->level, levels ? N_BAKED_LEVELS : 1,
+                                     N_BAKED_WAVES > 0 ? baked_waves[0] : m->wave, n_waves, baked_curve[0], N_BAKED_CURVE, m->state,
+                                     m->n_state, m->work, m->n_work, outputs);
     for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
         if (!isfinite(outputs[k]))
             status = NOT_FINITE;

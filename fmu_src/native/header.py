@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -140,20 +140,6 @@ def _too_fast(model: Model) -> str:
     raise ValueError("a top of any speed is accepted. Leave its text out of header.py.")
 
 
-def _unsupported(parts: Mapping[str, Sequence[Literal] | None], variants: Sequence[Variant]) -> list[str]:
-    """For each part the Literal that no variant can do: its variable, and whether the part is what is missing; variable < 0: none."""
-    lines = []
-    for name, literals in parts.items():
-        allowed = {variant[name] for variant in variants}
-        deciding = next(iter(literals or ()), None)
-        if deciding is None or allowed - {entries.ABSENT, entries.PRESENT} or len(allowed) > 1:
-            lines.append("{-1, 0}")
-        else:
-            (only,) = allowed
-            lines.append(f"{{{deciding[0]}, {int(deciding[1] != (only == entries.PRESENT))}}}")
-    return lines
-
-
 def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str, variants: Sequence[Variant]) -> str:
     """The header of an FMU with these compiled variants; the GUID is defined by the build."""
     rules = Rules(rows, scene, model)
@@ -200,7 +186,6 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("StartRule", "start_rules", [_start_rule(r) for r in rules.start_rules()] or [NO_START_RULE]),
         _array("Condition", "part_is_present", (_condition(literals) for literals in parts.values())),
         _array("char", "part_names", (_text(name) for name in parts), "][20"),
-        _array("Literal", "unsupported", _unsupported(parts, variants)),
         _array("char", "variants", (f"{{{', '.join(str(v[name]) for name in Parts._fields)}}}" for v in variants), "][N_PARTS"),
         _array("Effect", "effects", reasons),
         _array("char *const", "failures", formats),

@@ -45,7 +45,7 @@ def available() -> tuple[Target, ...]:
     if not can_export():
         return ()
     if has_zig():
-        return tuple(TARGETS.values())
+        return TARGETS
     return (LINUX,) if compiler() is not None else ()
 
 
@@ -53,7 +53,7 @@ def missing() -> str:
     """Which platforms cannot be linked for here and what to do; "" where none is missing."""
     if has_zig() or not available():
         return ""
-    others = dict.fromkeys(target.folder for target in TARGETS.values() if target != LINUX)
+    others = dict.fromkeys(target.folder for target in TARGETS if target != LINUX)
     return f"Native FMUs are for {LINUX.folder} alone: linking for {', '.join(others)} needs zig. Run `pip install ziglang`."
 
 
@@ -62,12 +62,14 @@ def chosen(folders: Sequence[str]) -> tuple[Target, ...]:
 
     Raises ParameterError for one that is unknown or that cannot be linked for here.
     """
-    known = dict.fromkeys(target.folder for target in TARGETS.values())
+    known = dict.fromkeys(target.folder for target in TARGETS)
     for folder in folders:
         if folder not in known:
             raise ParameterError(f"platform = {folder!r}: must be one of {', '.join(known)}. Choose one of them.")
     found = [target for target in available() if not folders or target.folder in folders]
     lacking = [folder for folder in folders if folder not in {target.folder for target in found}]
+    if not can_export():
+        raise ParameterError("machine: must be 64-bit x86 Linux to build native FMUs. Build them there, or with --no-native.")
     if lacking or not found:
         what = ", ".join(lacking) or LINUX.folder
         raise ParameterError(f"linker for {what} = none: must be zig or, on 64-bit Linux, a C compiler. Run `pip install ziglang`.")

@@ -25,7 +25,6 @@ _MADE_BY = (
     "fmu_src/entries.py",
     "fmu_src/native/export.py",
     "fmu_src/native/presence.py",
-    "fmu_src/native/targets.py",
     "cable_model/calls.py",
     "cable_model/effects.py",
     "cable_model/signals.py",
@@ -67,18 +66,24 @@ def _alone(lock: Path) -> Iterator[None]:
         yield
 
 
-def place(model: str, variants: Sequence[Variant], target: Target = LINUX) -> Path:
-    """Where the object code of these variants for a platform is kept, in the user's cache, by the content of all that makes it."""
+def _folder_and_key(model: str, variants: Sequence[Variant]) -> tuple[Path, str]:
+    """The user's cache, and a name for the code of these variants by the content of all that makes it, for all platforms."""
     import llvmlite
     import numba
     import platformdirs
 
     from cable_model.kernels.jit import source_hash
 
-    made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants))]
+    made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants)), LINUX.triple, LINUX.processor]
     made_from += [(_ROOT / path).read_text(encoding="utf-8") for path in _MADE_BY]
-    name = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
-    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / f"{name}.{target.name}.o"
+    key = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
+    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native", key
+
+
+def place(model: str, variants: Sequence[Variant], target: Target = LINUX) -> Path:
+    """Where the object code of these variants for a platform is kept, in the user's cache."""
+    folder, key = _folder_and_key(model, variants)
+    return folder / f"{key}-{target.triple}-{target.processor}.o"
 
 
 def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
@@ -87,9 +92,9 @@ def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
         return path.read_bytes()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with _alone(path.with_suffix(".lock")):
+        with _alone(path.with_name(f"{path.name}.lock")):
             if not path.is_file():
-                part = path.with_suffix(".part")
+                part = path.with_name(f"{path.name}.part")
                 part.write_bytes(make())
                 part.replace(path)
             return path.read_bytes()
@@ -102,7 +107,8 @@ def bitcode(model: str, variants: Sequence[Variant]) -> bytes:
 
     Raises ExportError where the export fails.
     """
-    return _kept(place(model, variants).with_suffix("").with_suffix(".bc"), lambda: export(model, variants))
+    folder, key = _folder_and_key(model, variants)
+    return _kept(folder / f"{key}.bc", lambda: export(model, variants))
 
 
 def object_code(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
