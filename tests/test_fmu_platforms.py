@@ -14,6 +14,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
+import typer
 from fmu_support import FIRST, Fmu
 from native_support import KEYS, lean, values_of
 from test_fmu_native import native_run

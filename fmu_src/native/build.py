@@ -94,7 +94,7 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None,
 
 
 def build_all(folder: Path, platforms: Sequence[str] = (), must: bool = False) -> list[Path]:
-    """The generic native FMUs of both models; none, with a line on stderr, where nothing can be linked, or ParameterError if they `must`."""
+    """The generic native FMUs of both models; where nothing can be linked, none and a line on stderr, or ParameterError if they `must`."""
     if not must and not link.available():
         sys.stderr.write("No native FMUs: they need zig (pip install ziglang) or, on 64-bit Linux, a C compiler (cc, gcc or clang).\n")
         return []
