@@ -18,6 +18,7 @@ import typer
 from fmu_support import FIRST, Fmu
 from native_support import KEYS, lean, values_of
 from test_fmu_native import native_run
+from typer.testing import CliRunner
 
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
