@@ -151,8 +151,7 @@ def test_hanging_chain_stretches_under_its_own_weight():
     assert model.outputs[11] == pytest.approx(0.0, abs=2e-3 * 20.0)
 
 
-@pytest.mark.parametrize("grid", ["staggered", "box"])
-@pytest.mark.parametrize("body", [{}, {"mass": 11.5, "volume": 11.5 / DENSITY}])
+@pytest.mark.parametrize(("grid", "body"), [("staggered", {}), ("box", {}), ("staggered", {"mass": 11.5, "volume": 11.5 / DENSITY})])
 @pytest.mark.parametrize("last_digit", [-1, 0, 1])
 def test_a_cable_of_the_density_of_the_water_hangs_straight_down_whatever_rounding_makes_of_its_weight(grid, body, last_digit):
     """Any place is one of rest; the one that the straight cable has is what a user means, and no cell of it is crumpled."""

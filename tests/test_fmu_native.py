@@ -194,7 +194,7 @@ def test_what_a_baked_fmu_does_not_have_is_named_and_what_its_sea_was_made_of_is
         (
             "cable.axial_damping",
             9.0,
-            f"cable.axial_damping = 9 N s: must be 0: this native FMU was compiled without the part 'voigt'. {other}",
+            f"cable.axial_damping = 9 N.s: must be 0: this native FMU was compiled without the part 'voigt'. {other}",
         ),
         (
             "water.density",
