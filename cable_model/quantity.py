@@ -34,7 +34,8 @@ def quantity(
     return dataclasses.field(default=default, metadata=facts)
 
 
-def _rule(facts: typing.Mapping[str, Any]) -> str:
+def rule_of(facts: typing.Mapping[str, Any]) -> str:
+    """What a number must be, by the metadata of its field."""
     parts = []
     if facts["above"] is not None:
         parts.append(f"> {facts['above']:g}")
@@ -67,7 +68,7 @@ def _number(name: str, value: Any, facts: typing.Mapping[str, Any], whole: bool)
     low = (facts["above"] is not None and not value > facts["above"]) or (facts["least"] is not None and value < facts["least"])
     between = facts["gap"] is not None and facts["gap"][0] < value < facts["gap"][1]
     if low or between or (facts["most"] is not None and value > facts["most"]):
-        raise refuse(name, value, facts["unit"], _rule(facts), remedy)
+        raise refuse(name, value, facts["unit"], rule_of(facts), remedy)
     return int(value) if whole else float(value)
 
 

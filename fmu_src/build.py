@@ -205,6 +205,16 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
     return to
 
 
+def _check_arguments(scene: str, output: Path | None, model: str) -> None:
+    """Refuse what would be ignored, and an output that would take the place of something else."""
+    if not scene and model:
+        raise ParameterError("--model: must be left out where no scene is baked in: FMUs of both are built. Name a scene.")
+    if output is not None and scene and output.suffix != ".fmu":
+        raise ParameterError(f"--output = {output}: must end in .fmu. Give the FMU another name than the scene.")
+    if output is not None and not scene and output.suffix == ".fmu":
+        raise ParameterError(f"--output = {output}: must be a folder where no scene is baked in. Name the scene, or a folder.")
+
+
 def main(
     scene: Annotated[str, typer.Argument(help="a scene file or the name of a shipped scene to bake in; none: build all into dist/")] = "",
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
@@ -222,10 +232,13 @@ def main(
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
+        _check_arguments(scene, output, model)
         if platform and (native is False or (scene and not native)):
             raise ParameterError("--platform: must be left out where no native FMU is built. Add --native.")
         if date:
             os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
+        if simulate:
+            load_scene(simulate)  # it is read again: what is wrong in it is told before minutes are spent
         made: list[Path] = []
         tried: dict[str, Path] = {}  # those that run Python, by model
         if scene:

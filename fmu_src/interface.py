@@ -290,6 +290,7 @@ _REPLACED = (  # what a baked table or spectrum takes the place of
     ("current.levels", "a table of the current", ("current.speed", "current.direction")),
     ("waves.spectrum", "a spectrum of waves", ("wave.amplitude", "wave.period", "wave.phase")),
     ("waves.table", "a table of waves", ("wave.amplitude", "wave.period", "wave.direction", "wave.phase")),
+    ("cable.stiffness_curve", "a table of the stiffness", ("cable.axial_stiffness",)),
     ("lower_end.released", "a lower end that is let go", ("lower_end.anchored",)),
 )
 

@@ -1,13 +1,18 @@
-"""The page of the FMUs' variables, from the interface table: `python -m fmu_src.variables_page` writes it into docs/."""
+"""The pages of the FMUs' variables and of the values of scenes: `python -m fmu_src.variables_page` writes them into docs/."""
 
 from __future__ import annotations
 
+import dataclasses
 import re
+from collections.abc import Callable
 from pathlib import Path
 
+from cable_model import parameters
+from cable_model.quantity import rule_of
+from cable_model.scene import Scene
 from fmu_src.interface import Variable, table
 
-_BLOCK = re.compile(r"(<!-- interface table -->\n).*?(<!-- end of interface table -->)", re.DOTALL)
+_BLOCK = re.compile(r"(<!-- table -->\n).*?(<!-- end of table -->)", re.DOTALL)
 
 
 def _range(row: Variable) -> str:
@@ -28,11 +33,51 @@ def markdown() -> str:
     return "\n".join(lines) + "\n"
 
 
-def replaced(page: str) -> str:
-    """The page's text with the table as it is now."""
-    return _BLOCK.sub(lambda match: match[1] + markdown() + match[2], page)
+_KINDS = {bool: "true, false", tuple: "rows", str: "text"}
+
+
+def _rows(part: str, holder: type) -> list[str]:
+    """Lines of the values of one part of a scene."""
+    lines = []
+    for field in dataclasses.fields(holder):
+        facts = field.metadata
+        if not facts:
+            continue
+        default = "must be given" if field.default is dataclasses.MISSING else _shown(field.default)
+        unit = "" if facts["unit"] == "1" else facts["unit"]
+        allowed = ", ".join(map(repr, facts["choices"])) if facts["choices"] else _KINDS.get(type(field.default)) or rule_of(facts)
+        lines.append(f"| `{part}{field.name}` | {unit} | {default} | {allowed} | {facts['description']} |")
+    return lines
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, tuple):
+        return "none" if not value else str(list(value))
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def scenes() -> str:
+    """The values of scenes as a Markdown table."""
+    lines = ["| name | unit | default | allowed | meaning |", "|---|---|---|---|---|"]
+    for field in dataclasses.fields(Scene):
+        if field.metadata:
+            lines += [f"| `{field.name}` | | | | {field.metadata['description']} |"]
+            continue
+        lines += _rows(f"{field.name}.", parameters.holder_of(field.name))
+        if field.name == "top":
+            lines += _rows("[[top.motion]] ", parameters.Motion)
+    return "\n".join(lines) + "\n"
+
+
+PAGES: dict[str, Callable[[], str]] = {"fmu_variables.md": markdown, "scene_values.md": scenes}  # in docs/
+
+
+def replaced(page: str, name: str) -> str:
+    """The text of the page of this name with the table as it is now."""
+    return _BLOCK.sub(lambda match: match[1] + PAGES[name]() + match[2], page)
 
 
 if __name__ == "__main__":
-    path = Path("docs/fmu_variables.md")
-    path.write_text(replaced(path.read_text(encoding="utf-8")), encoding="utf-8")
+    for name in PAGES:
+        path = Path("docs") / name
+        path.write_text(replaced(path.read_text(encoding="utf-8"), name), encoding="utf-8")

@@ -211,8 +211,8 @@ def test_without_zig_there_is_the_machines_own_platform(monkeypatch: pytest.Monk
 def test_a_platform_where_no_native_fmu_is_built_is_refused(tmp_path: Path):
     app = typer.Typer()
     app.command()(build_main)
-    for command in (["dale_sphere"], ["--no-native"]):
-        done = CliRunner().invoke(app, [*command, "--platform", "win64", "-o", str(tmp_path / "x")])
+    for command in (["dale_sphere", "-o", str(tmp_path / "x.fmu")], ["--no-native", "-o", str(tmp_path / "x")]):
+        done = CliRunner().invoke(app, [*command, "--platform", "win64"])
         assert (done.exit_code, done.stderr) == (2, "--platform: must be left out where no native FMU is built. Add --native.\n")
 
 
@@ -224,3 +224,20 @@ def test_what_is_missing_for_other_platforms_is_one_line(monkeypatch: pytest.Mon
     )
     monkeypatch.setattr(link, "has_zig", lambda: True)
     assert link.missing() == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["dale_sphere", "-o", "scene.toml"], "--output = scene.toml: must end in .fmu. Give the FMU another name than the scene."),
+        (["", "-o", "a.fmu"], "--output = a.fmu: must be a folder where no scene is baked in. Name the scene, or a folder."),
+        (["--model", "tow"], "--model: must be left out where no scene is baked in: FMUs of both are built. Name a scene."),
+        (["--simulate", "nosuch"], "nosuch: "),
+    ],
+)
+def test_what_build_would_ignore_or_overwrite_is_refused_at_once(arguments, text):
+    app = typer.Typer()
+    app.command()(build_main)
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 2
+    assert done.stderr.startswith(text)

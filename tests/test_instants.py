@@ -64,6 +64,20 @@ def test_kicks_in_time_with_the_bounce_of_the_body_are_told(kind, share, at_end,
     assert (miss > 1.0) == wrong
 
 
+@pytest.mark.parametrize("kind", [CableChain, TowCable])
+def test_next_to_no_force_is_not_told_to_swing(kind):
+    """Neutral cable and body at rest: what is left is rounding."""
+    area, density = 0.25 * math.pi * 0.01**2, 1025.0
+    model = kind(from_dict({
+        "cable": {"length": LENGTH, "diameter": 0.01, "mass_per_length": density * area, "axial_stiffness": STIFFNESS},
+        "body": {"mass": MASS, "volume": MASS / density}, "water": {"density": density}, "solver": {"nodes": 11},
+    }))  # fmt: skip
+    model.initialize(np.zeros(10))
+    for k in range(100):
+        model.step(0.1 * k, 0.1, np.zeros(10))
+    assert not any("swings" in text for text in model.warnings())
+
+
 def test_what_numba_compiles_tells_the_same():
     shipped, compiled = TowCable(hung(1, False)), TowCable(hung(1, False), lambda model: None)
     assert isinstance(compiled._calls, JustInTime)

@@ -7,15 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from fmu_src.variables_page import replaced
+from fmu_src.variables_page import PAGES, replaced
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def test_the_table_of_variables_is_the_interface_table():
-    page = (ROOT / "docs" / "fmu_variables.md").read_text(encoding="utf-8")
-    assert replaced(page) == page, "run: python -m fmu_src.variables_page"
+@pytest.mark.parametrize("name", PAGES)
+def test_the_tables_of_variables_and_of_scenes_are_those_of_the_code(name):
+    page = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    assert replaced(page, name) == page, "run: python -m fmu_src.variables_page"
 
 
 @pytest.mark.parametrize("block", re.findall(r"```python\n(.*?)```", README, re.DOTALL))

@@ -11,7 +11,7 @@ from cable_model.kernels.exchange import MEAN, TOLD
 from cable_model.kernels.header import DOUBT, INSTANTS
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.ringing import ALIKE, IN_A_ROW, WINDOW
-from cable_model.kernels.watch import KICKED, SPAN, SWINGS, note
+from cable_model.kernels.watch import GRAVITY, KICKED, SPAN, SWINGS, note
 
 FORCE = INSTANTS  # at the start of the last communication step, N; three numbers
 BEFORE = INSTANTS + 3  # mean force of the step before it, N; three numbers
@@ -25,6 +25,7 @@ HITS = INSTANTS + 12  # windows in a row in which it swings
 
 FEWEST = 16  # steps in a window
 LOUD = 0.005  # of the force
+FAINTEST = 0.02  # of the weight in air: where the force is less, as of what is neutral, it is held against that
 
 
 @kernel
@@ -56,7 +57,9 @@ def watch_instants(p, state):
             state[OFF] += h * off * off
             state[CHANGED] += h * change * change
             size += state[MEAN + k] ** 2
-        state[SIZE] += h * math.sqrt(size)
+        cable = p[0].cable
+        mass = cable.mass_per_length * cable.length + p[0].body.mass
+        state[SIZE] += h * max(math.sqrt(size), FAINTEST * mass * GRAVITY)
         state[TIME] += h
         state[COUNT] += 1.0
         if state[TIME] >= WINDOW * (1.0 - 1e-9) and state[COUNT] >= FEWEST:

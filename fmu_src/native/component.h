@@ -148,9 +148,13 @@ static fmi2Status choose_variant(Instance *m)
         return fmi2OK;
     const Literal *l = switch_of(&m->core, part);
     int with = variants[m->variant][part] == PRESENT, vr = variable_of(l);
-    return fail(m, "%s: must be %s%g: this native FMU was compiled %s the part '%s'. Use the FMU that runs Python, or bake the scene.",
-                shown(vr, m->core.values[vr], text), l->nonzero == with ? "other than " : "", l->variable >= CHANGED ? variables[vr].usual : 0.0,
-                with ? "with" : "without", part_names[part]);
+    char wanted[40];
+    if (variables[vr].kind == 'B')
+        strcpy(wanted, l->nonzero == with ? "true" : "false");
+    else
+        snprintf(wanted, sizeof wanted, "%s%g", l->nonzero == with ? "other than " : "", l->variable >= CHANGED ? variables[vr].usual : 0.0);
+    return fail(m, "%s: must be %s: this native FMU was compiled %s the part '%s'. Use the FMU that runs Python, or bake the scene.",
+                shown(vr, m->core.values[vr], text), wanted, with ? "with" : "without", part_names[part]);
 }
 
 /* One row each where no table is baked in, zeros where there is none: as tables.current and sea.components. */
