@@ -71,7 +71,7 @@ def plain_host(fmus: dict[str, Fmu], tmp_path: Path):
     arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(len(INPUTS))]
 
     def run(**values: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(arguments, input="0 " * 30, env=values, capture_output=True, text=True, check=False)
+        return subprocess.run(arguments, input="0 " * 31, env=values, capture_output=True, text=True, check=False)
 
     return run
 
