@@ -197,7 +197,6 @@ def test_what_a_baked_fmu_does_not_have_is_named_and_what_its_sea_was_made_of_is
             f"cable.axial_damping = 9 N.s: must be 0: this native FMU was compiled without the part 'voigt'. {other}",
         ),
         ("water.surface", False, f"water.surface = False: must be true: this native FMU was compiled with the part 'surface'. {other}"),
-        ("solver.space", False, f"solver.space = False: must be true: this native FMU was compiled with the part 'space'. {other}"),
     ):
         instance = fmu.instance()
         with pytest.raises(FMICallException):
