@@ -205,7 +205,7 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
     return to
 
 
-def _check_arguments(scene: str, output: Path | None, model: str) -> None:
+def _check_arguments(scene: str, output: Path | None, model: str, native: bool | None, platform: Sequence[str]) -> None:
     """Refuse what would be ignored, and an output that would take the place of something else."""
     if not scene and model:
         raise ParameterError("--model: must be left out where no scene is baked in: FMUs of both are built. Name a scene.")
@@ -213,6 +213,8 @@ def _check_arguments(scene: str, output: Path | None, model: str) -> None:
         raise ParameterError(f"--output = {output}: must end in .fmu. Give the FMU another name than the scene.")
     if output is not None and not scene and output.suffix == ".fmu":
         raise ParameterError(f"--output = {output}: must be a folder where no scene is baked in. Name the scene, or a folder.")
+    if platform and (native is False or (scene and not native)):
+        raise ParameterError("--platform: must be left out where no native FMU is built. Add --native.")
 
 
 def main(
@@ -220,7 +222,7 @@ def main(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="the FMU to write")] = None,
     model: Annotated[str, typer.Option(help="chain or tow; as the scene says if left out")] = "",
     native: Annotated[
-        bool | None, typer.Option(help="also build FMUs that need no Python; default: only where no scene is baked in")
+        bool | None, typer.Option(help="also build FMUs that need no Python, of a scene into native/ beside; default: only without a scene")
     ] = None,
     platform: Annotated[
         list[str] | None, typer.Option(help="of native FMUs: linux64, win64, darwin64, aarch64-linux; may be repeated; default: all it can")
@@ -232,9 +234,7 @@ def main(
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
-        _check_arguments(scene, output, model)
-        if platform and (native is False or (scene and not native)):
-            raise ParameterError("--platform: must be left out where no native FMU is built. Add --native.")
+        _check_arguments(scene, output, model, native, platform or ())
         if date:
             os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         if simulate:
