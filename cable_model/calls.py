@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 TOO_FAST = -1  # status of a step, beside those of kernels.header
-FASTEST_TOP = 1e4  # m/s, on average over a step; no ship, and no aircraft
+FASTEST_TOP = 1e4  # m/s, of either end, on average over a step; no ship, and no aircraft
 
 
 class Calls(Protocol):
@@ -23,13 +23,13 @@ class Calls(Protocol):
     top_speed: float
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        """Static equilibrium at `time` under the top that inputs (10,) place."""
+        """Static equilibrium at `time` between the ends that inputs (19,) place."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
-        """One communication step, inputs (10,) given at its start."""
+        """One communication step, inputs (19,) given at its start."""
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
-        """One step, inputs (10,) known at both ends."""
+        """One step, inputs (19,) known at both ends."""
 
     def positions(self, at: np.ndarray) -> None:
         """Positions (n, 3) of the cable from the lower end to the top, m."""

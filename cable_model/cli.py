@@ -19,7 +19,7 @@ from cable_model.errors import ParameterError, SolverError
 from cable_model.kernel_cache import mended
 from cable_model.model import Model
 from cable_model.models import MODELS
-from cable_model.motion import MotionLike, top_motion
+from cable_model.motion import MotionLike, motion_of
 from cable_model.scene import Scene, shipped, with_values
 from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
 from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simulate, write_csv
@@ -253,7 +253,7 @@ def check(
         raise ParameterError(f"{reference}: no such file. Give --scene and --write to make this reference.")
     if scene is not None:
         loaded = load_scene(scene)
-        motion = top_motion(loaded.top, loaded.winch)
+        motion = motion_of(loaded)
         times, inputs = sampled_motion(motion, loaded.run.duration, loaded.run.output_step)
     else:
         times, inputs = rows_of_inputs(reference, *read_csv(reference))

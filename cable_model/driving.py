@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cable_model.motion import MotionLike, TopMotion
+from cable_model.motion import MotionLike, PrescribedMotion
 
 ROUNDING = 1e-9  # of a step: times that are closer are the same
 
@@ -27,7 +27,7 @@ class OutputStep(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A call of Model.advance: start s, length s, and the top at both ends, (10,) each."""
+    """A call of Model.advance: start s, length s, and the inputs at both ends, (19,) each."""
 
     time: float
     length: float
@@ -50,7 +50,7 @@ def pieces(motion: MotionLike, output: OutputStep, time_step: float) -> Iterator
     Division keeps the internal steps that the whole would have, and never cuts one: what those do not resolve is the scene's own
     choice.  A motion that is a plain function has no events that are known, and is taken to be slow.
     """
-    known = motion if isinstance(motion, TopMotion) else None
+    known = motion if isinstance(motion, PrescribedMotion) else None
     near = max(ROUNDING * min(output.length, time_step), 4.0 * math.ulp(output.end))
     events = known.events_within(output.start + near, output.end - near) if known else []
     for start, end in itertools.pairwise([output.start, *events, output.end]):
@@ -65,7 +65,7 @@ def pieces(motion: MotionLike, output: OutputStep, time_step: float) -> Iterator
 
 def _ends(motion: MotionLike, start: float, end: float, near: float) -> tuple[np.ndarray, np.ndarray]:
     """The motion just after the start and just before the end; an event that rounding has put beside them is at them."""
-    if isinstance(motion, TopMotion):
+    if isinstance(motion, PrescribedMotion):
         start, end = motion.event_near(start, near), motion.event_near(end, near)
     return motion(start, 1), motion(end, -1)
 

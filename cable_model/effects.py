@@ -65,6 +65,11 @@ EFFECTS = (
         numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
     ),
     Effect(
+        "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,),
+        grids=(STAGGERED,), numbers=("lower_end.driven",),
+        costs={"lower end moved by inputs": {"lower_end.anchored": True, "lower_end.driven": True, "lower.position": [0.0, 0.0, -1.6]}},
+    ),
+    Effect(
         "released", "lower end let go at the start", Given("lower_end.released"), ("lower_end.released",), models=(CHAIN,),
         grids=(STAGGERED,), part=False, told_to_peers=True,
     ),

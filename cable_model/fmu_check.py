@@ -15,7 +15,7 @@ import numpy as np
 from cable_model.comparison import times_of
 from cable_model.driving import ROUNDING, output_steps
 from cable_model.errors import ParameterError, SolverError, unknown
-from cable_model.motion import MotionLike, TopMotion
+from cable_model.motion import MotionLike, PrescribedMotion
 from cable_model.signals import INPUTS, OUTPUTS
 
 RESULTS = (*OUTPUTS, "solver.cpu_time")
@@ -111,7 +111,7 @@ def simulate_fmu(
     parameters: Mapping[str, object] | None = None,
     told: Callable[[str], None] | None = None,
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 10); returns columns and table as a library run has.
+    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 19); returns columns and table as a library run has.
 
     The inputs of a communication step are those at its start, as FMI has it, or with top.inputs_at = 1 those at its end.  `told` gets the
     warnings that the FMU logs.  Raises ParameterError for what is no FMU of ours, SolverError for a call that fails.
@@ -135,8 +135,8 @@ def simulate_fmu(
     return ("time", *INPUTS, *RESULTS), np.column_stack([times, inputs, np.array(rows)])
 
 
-def sampled_motion(motion: TopMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Output times of a run and events of the motion between them, and the top there, (n, 10): a host must not step over an event."""
+def sampled_motion(motion: PrescribedMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Output times of a run and events of the motion between them, and the inputs there, (n, 19): a host must not step over an event."""
     times = [0.0]
     for output in output_steps(duration, step):
         near = ROUNDING * output.length
@@ -155,28 +155,30 @@ def coarsened(table: np.ndarray, parts: int) -> np.ndarray:
     """The rows that were given of what `simulate_fmu` made of `divided` ones: means over a step are those of its parts."""
     rows = table[::parts].copy()
     for k, name in enumerate(("time", *INPUTS, *RESULTS)):
-        if name.startswith("top.force_mean_"):
+        if ".force_mean_" in name:
             rows[1:, k] = table[1:, k].reshape(-1, parts).mean(axis=1)
     return rows
 
 
 def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) and inputs (n, 10) of a table."""
+    """Times (n,) and inputs (n, 19) of a table; one without those of the lower end has none that is driven."""
     times = times_of(str(path), columns, table)
-    lacking = [name for name in INPUTS if name not in columns]
+    lacking = [name for name in INPUTS[:10] if name not in columns]
     if lacking:
-        raise ParameterError(f"{path}: has no column {lacking[0]}. Give --scene for the top's motion.")
-    return times, table[:, [columns.index(name) for name in INPUTS]]
+        raise ParameterError(f"{path}: has no column {lacking[0]}. Give --scene for the motion.")
+    still = np.zeros(len(times))
+    return times, np.column_stack([table[:, columns.index(name)] if name in columns else still for name in INPUTS])
 
 
 def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
     """The motion between the rows of a run: quintics through position, velocity and acceleration, the winch's speed linear."""
     from scipy.interpolate import BPoly
 
-    path = BPoly.from_derivatives(times, inputs[:, :9].reshape(-1, 3, 3))
-    rates = path.derivative(1), path.derivative(2)
+    paths = [BPoly.from_derivatives(times, rows.reshape(-1, 3, 3)) for rows in (inputs[:, :9], inputs[:, 10:])]
+    top, lower = ((path, path.derivative(1), path.derivative(2)) for path in paths)
 
     def motion(time: float, side: int = 1) -> np.ndarray:
-        return np.concatenate([path(time), rates[0](time), rates[1](time), [np.interp(time, times, inputs[:, 9])]])
+        speed = [np.interp(time, times, inputs[:, 9])]
+        return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower)])
 
     return motion

@@ -23,12 +23,12 @@ class JustInTime:
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
         self.top_speed = 0.0
-        self._path = np.zeros((top.ROWS, 4))
+        self._path = np.zeros((top.ROWS, top.COLUMNS))
         self._end = np.zeros(9)
         self._room = np.zeros(host.room_size(self._numbers, len(self.state), len(OUTPUTS)))
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        top.start_top(self._order, self._numbers, self.state, inputs)
+        top.start_ends(self._order, self._numbers, self.state, inputs)
         status = self._equilibrium(time)
         if status == header.OK:
             watch.watch_start(self.state, inputs)
@@ -65,18 +65,17 @@ class JustInTime:
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
-        top.quintic(start, end, step, self._path)
-        top.wind(self.state[header.PAID_OUT], start[9], end[9], step, self._path)
+        top.follow_ends(self._numbers, self.state, start, end, step, self._path)
         return self._follow(time, step)
 
     def _follow(self, time: float, step: float) -> int:
-        self.top_speed = top.mean_speed(self._path, step)
+        self.top_speed = top.fastest_end(self._path, step)
         if self.top_speed > FASTEST_TOP:
             return TOO_FAST
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:
             self.read_outputs()
-            exchange.end_exchange(self.state, step, self.outputs)
+            exchange.end_exchange(self._numbers, self.state, step, self.outputs)
         return status
 
     def positions(self, at: np.ndarray) -> None:

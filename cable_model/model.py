@@ -17,7 +17,8 @@ from cable_model.scene import Scene
 from cable_model.signals import INPUTS
 from cable_model.simulated import numbers_of, parts_of
 
-UNITS = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3 + ("m/s",)  # of the inputs
+_UNITS_OF_AN_END = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3
+UNITS = (*_UNITS_OF_AN_END, "m/s", *_UNITS_OF_AN_END)  # of the inputs
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
     header.NOT_FINITE: "the solution is not finite",
@@ -27,10 +28,11 @@ _REASONS = {
     header.WEIGHTLESS: "no static equilibrium was found, and cable and body weigh less than a millionth of their weight in air",
     header.BELOW_WAVES: "no static equilibrium was found, and the cable is long enough to hang through the bottom of the waves",
     header.NO_SLACK: "no static equilibrium was found for a cable that does not go slack",
-    header.OUT_OF_PLANE: "the top left the vertical plane y = const in which the model moves",
+    header.OUT_OF_PLANE: "an end left the vertical plane y = const in which the model moves",
     header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
+    header.NOT_DRIVEN: "the inputs lower.* say where the lower end is, but they do not drive it",
 }
-_SAID = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS)  # where no number says more
+_SAID = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS, header.NOT_DRIVEN)  # where no number says more
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
     header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
@@ -41,7 +43,8 @@ _REMEDIES = {
     header.BELOW_WAVES: "Set water.depth to the depth, or 0 for deep water, or give a seabed",
     header.TOO_MANY_STEPS: "Raise solver.time_step, or solver.tolerance where the motion is a sequence of shocks, or take shorter steps",
     header.NO_SLACK: 'Set solver.grid = "staggered" and cable.compressible = false, or check the places of both ends',
-    header.OUT_OF_PLANE: "Keep top.y and top.vy constant, or set solver.space = true",
+    header.OUT_OF_PLANE: "Keep top.y and lower.y constant, or set solver.space = true",
+    header.NOT_DRIVEN: "Leave all of them at 0, or set lower_end.anchored and lower_end.driven = true (chain only)",
 }
 
 
@@ -61,6 +64,7 @@ class Model:
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
+        self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 6])  # the inputs beyond the top's
         self._at_start: tuple[str, ...] = ()
         offered = precompiled or type(self).offered
         self._calls = (offered and offered(self)) or self._just_in_time()
@@ -88,11 +92,11 @@ class Model:
         return self._calls.work
 
     def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
-        """Static equilibrium under the top that `inputs` (10,) places.
+        """Static equilibrium between the ends that `inputs` (19,) place; without what drives a lower end or a winch (10,) or (9,) will do.
 
-        Raises ParameterError where that top does not go with the scene, SolverError where there is no equilibrium.
+        Raises ParameterError where they do not go with the scene, SolverError where there is no equilibrium.
         """
-        inputs = self._finite(inputs)
+        inputs = self.complete(inputs)
         self._check_start(inputs)
         self.state[:] = 0.0
         self._must(self._calls.start(float(time), inputs), time)
@@ -117,21 +121,18 @@ class Model:
         """Refuse a top that does not go with the scene."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
-        """One communication step from `time`, with inputs (10,) held as FMI holds them: their values at the start of the step.
+        """One communication step from `time`, with inputs (19,) held as FMI holds them: their values at the start of the step.
 
-        The top moves on by extrapolation, see kernels.top.predict; what it was off by at the start is removed smoothly.
+        The ends move on by extrapolation, see kernels.top.predict; what they were off by at the start is removed smoothly.
         """
-        inputs = self._finite(inputs)
+        inputs = self.complete(inputs)
         step = self._positive(step)
         self._must(self._calls.step(float(time), step, inputs), time)
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
-        """One step with the top's motion known at both ends, (10,) each: position, velocity, acceleration, winch speed.
-
-        Without a winch (9,) will do.
-        """
+        """One step with the inputs (19,) known at both ends of it, in the order of signals.INPUTS."""
         step = self._positive(step)
-        start, end = self._finite(start), self._finite(end)
+        start, end = self.complete(start), self.complete(end)
         self._must(self._calls.advance(float(time), step, start, end), time)
 
     def positions(self) -> np.ndarray:
@@ -148,7 +149,8 @@ class Model:
             return
         if status == TOO_FAST:
             speed = self._calls.top_speed
-            raise refuse("speed of the top", speed, "m/s", f"<= {FASTEST_TOP:g}", "Check the units of the top's motion, and for jumps.")
+            fastest = f"<= {FASTEST_TOP:g}"
+            raise refuse("speed of the top or lower end", speed, "m/s", fastest, "Check the units of its motion, and for jumps.")
         status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)
         how_bad = "" if status in _SAID else f" ({self._measure(status)})"
@@ -168,19 +170,19 @@ class Model:
             raise refuse("communication step", float(step), "s", "finite and > 0", "Give a positive step.")
         return float(step)
 
+    def complete(self, inputs: np.ndarray) -> np.ndarray:
+        """Inputs (19,) of which the last may be left out: the winch stands still, and so does the lower end, at its place."""
+        inputs = np.asarray(inputs, dtype=np.float64)
+        if inputs.shape in ((9,), (10,)):
+            inputs = np.concatenate([inputs, self._at_rest[len(inputs) - 9 :]])
+        return self._finite(inputs)
+
     @staticmethod
     def _finite(inputs: np.ndarray) -> np.ndarray:
         inputs = np.ascontiguousarray(inputs, dtype=np.float64)
-        if inputs.shape == (9,):  # the winch stands still
-            inputs = np.append(inputs, 0.0)
         if inputs.shape != (len(INPUTS),):
-            raise refuse(
-                "inputs",
-                inputs.shape,
-                "",
-                f"({len(INPUTS)},)",
-                "Give position, velocity and acceleration of the top, and the winch's speed.",
-            )
+            given = "Give position, velocity and acceleration of the top, and with a winch its speed, with a driven lower end all 19."
+            raise refuse("inputs", inputs.shape, "", "(9,), (10,) or (19,)", given)
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))
             raise refuse(INPUTS[first], float(inputs[first]), UNITS[first], "finite", "Check what is connected to this input.")

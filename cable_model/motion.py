@@ -1,18 +1,20 @@
-"""The prescribed motion of the top as a function of time, from the parts that a scene names."""
+"""The prescribed motion of the cable's ends as a function of time, from the parts that a scene names."""
 
 from __future__ import annotations
 
 import bisect
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from cable_model.errors import refuse
-from cable_model.parameters import Motion, Top, Winch
+from cable_model.parameters import Lower, Motion, Top, Winch
 
-MotionLike = Callable[[float, int], np.ndarray]  # (time, side) -> (10,): position, velocity, acceleration, winch speed
+# (time, side) -> (19,), or the first 10 of them: position, velocity and acceleration of the top, winch speed, the same of the lower end
+MotionLike = Callable[[float, int], np.ndarray]
 
 # A quintic through position, velocity and acceleration at both ends of a piece of h differs from x by at most h^6 max|x^(6)|/46080, its
 # acceleration by h^4 max|x^(6)|/1920 [Hermite's remainder x^(6) (t - a)^3 (t - b)^3/720].  For A sin(omega t) the latter is
@@ -72,27 +74,60 @@ def _turning(part: Motion) -> float:
     return part.ramp_time if part.kind == "sinusoid" else part.duration if part.kind == "ramp" else 0.0
 
 
-class TopMotion:
-    """The motion that a scene's [top] and [winch] describe, and the times at which something happens to it."""
+class _EndMotion:
+    """The motion that a scene's [top] or [lower] describes, and the times at which something happens to it."""
 
-    def __init__(self, top: Top, winch: Winch | None = None) -> None:
-        self._top = top
-        self._position = np.array(top.position)
-        self._speeds = np.array(winch.speeds) if winch is not None and winch.speeds else None
-        self._splines = _splines(top)
-        self._events = self._all_events()
+    def __init__(self, end: Top | Lower, name: str) -> None:
+        self._end = end
+        self._splines = _splines(end, name)
 
-    def _all_events(self) -> list[float]:
-        """Starts, stops and ends of ramps, and the rows of tables: between two of them position is smooth and winch speed linear."""
-        found = {row[0] for row in self._top.table}
-        if self._speeds is not None:
-            found.update(self._speeds[:, 0].tolist())
-        for part in self._top.motion:
+    def events(self) -> set[float]:
+        """Starts, stops and ends of ramps, and the rows of the table: between two of them position is smooth."""
+        found = {row[0] for row in self._end.table}
+        for part in self._end.motion:
             of_part = {part.start, part.start + _turning(part)}
             found.update(time for time in of_part if part.stop == 0.0 or time < part.stop)
             if part.stop > 0.0:
                 found.add(part.stop)
-        return sorted(found)
+        return found
+
+    def longest_piece(self, time: float) -> float:
+        """Time over which a quintic follows the motion about `time`, s; infinite for steady motion and between rows of a table."""
+        found = math.inf
+        for part in self._end.motion:
+            if time < part.start or (part.stop > 0.0 and time > part.stop):
+                continue
+            if part.kind == "sinusoid" and part.angular_frequency > 0.0 and part.amplitude != 0.0:
+                found = min(found, PHASE_OF_A_PIECE / part.angular_frequency)
+            if time < part.start + _turning(part):
+                found = min(found, _turning(part) / PIECES_OF_A_RAMP)
+        return found
+
+    def __call__(self, t: float, side: int) -> np.ndarray:
+        """Position, velocity and acceleration, (9,)."""
+        state = np.zeros(9)
+        state[:3] = self._end.position
+        for part in self._end.motion:
+            k = "xyz".index(part.axis)
+            for derivative, value in enumerate(_part(part, t, side)):
+                state[3 * derivative + k] += value
+        if self._splines:
+            first, last = self._end.table[0][0], self._end.table[-1][0]
+            at = min(max(t, first), last)
+            moving = at == t and not (t == first and side < 0) and not (t == last and side > 0)
+            for derivative, spline in enumerate(self._splines[: 3 if moving else 1]):
+                state[3 * derivative : 3 * derivative + 3] += spline(at)
+        return state
+
+
+class PrescribedMotion:
+    """The motion that a scene's [top], [winch] and [lower] describe, and the times at which something happens to it."""
+
+    def __init__(self, top: Top, winch: Winch | None = None, lower: Lower | None = None) -> None:
+        self._ends = (_EndMotion(top, "top"), _EndMotion(lower or Lower(), "lower"))
+        self._speeds = np.array(winch.speeds) if winch is not None and winch.speeds else None
+        of_winch = set() if self._speeds is None else set(self._speeds[:, 0].tolist())
+        self._events = sorted(of_winch.union(*(end.events() for end in self._ends)))
 
     def events_within(self, start: float, end: float) -> list[float]:
         """Events between two times, without those at them."""
@@ -104,49 +139,29 @@ class TopMotion:
 
     def longest_piece(self, time: float) -> float:
         """Time over which a quintic follows the motion about `time`, s; infinite for steady motion and between rows of a table."""
-        found = math.inf
-        for part in self._top.motion:
-            if time < part.start or (part.stop > 0.0 and time > part.stop):
-                continue
-            if part.kind == "sinusoid" and part.angular_frequency > 0.0 and part.amplitude != 0.0:
-                found = min(found, PHASE_OF_A_PIECE / part.angular_frequency)
-            if time < part.start + _turning(part):
-                found = min(found, _turning(part) / PIECES_OF_A_RAMP)
-        return found
+        return min(end.longest_piece(time) for end in self._ends)
 
     def __call__(self, t: float, side: int = 1) -> np.ndarray:
-        """Position, velocity, acceleration and the winch's speed, (10,), at a time.
+        """The inputs (19,) at a time, in the order of signals.INPUTS.
 
         Where the motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
         """
-        state = np.zeros(10)
-        state[:3] = self._position
-        for part in self._top.motion:
-            k = "xyz".index(part.axis)
-            for derivative, value in enumerate(_part(part, t, side)):
-                state[3 * derivative + k] += value
-        if self._splines:
-            first, last = self._top.table[0][0], self._top.table[-1][0]
-            at = min(max(t, first), last)
-            moving = at == t and not (t == first and side < 0) and not (t == last and side > 0)
-            for derivative, spline in enumerate(self._splines[: 3 if moving else 1]):
-                state[3 * derivative : 3 * derivative + 3] += spline(at)
-        if self._speeds is not None:
-            state[9] = np.interp(t, self._speeds[:, 0], self._speeds[:, 1])
-        return state
+        speed = 0.0 if self._speeds is None else np.interp(t, self._speeds[:, 0], self._speeds[:, 1])
+        top, lower = (end(t, side) for end in self._ends)
+        return np.concatenate([top, [speed], lower])
 
 
-def _splines(top: Top) -> list[CubicSpline]:
+def _splines(end: Top | Lower, name: str) -> list[CubicSpline]:
     """Position, velocity and acceleration of the table over time; none without a table."""
-    if not top.table:
+    if not end.table:
         return []
-    rows = np.array(top.table)
+    rows = np.array(end.table)
     if len(rows) < 4 or not np.all(np.diff(rows[:, 0]) > 0.0):
-        raise refuse("top.table", len(rows), "rows", "at least 4 rows of rising time", "Sort the rows by time.")
+        raise refuse(f"{name}.table", len(rows), "rows", "at least 4 rows of rising time", "Sort the rows by time.")
     spline = CubicSpline(rows[:, 0], rows[:, 1:])
     return [spline, spline.derivative(1), spline.derivative(2)]
 
 
-def top_motion(top: Top, winch: Winch | None = None) -> TopMotion:
-    """The motion that a scene's [top] and [winch] describe."""
-    return TopMotion(top, winch)
+def motion_of(scene: Any) -> PrescribedMotion:
+    """The motion that a scene describes."""
+    return PrescribedMotion(scene.top, scene.winch, scene.lower)

@@ -58,6 +58,7 @@ class LowerEnd:
     z: float = quantity("m", "position of the anchor, z", default=0.0)
     release_force: float = quantity("N", "force along x that holds the lower end aside until the start", default=0.0)
     released: bool = quantity("", "whether an anchored lower end is let go at the start", default=False)
+    driven: bool = quantity("", "whether a held lower end moves as inputs say", default=False)
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,7 @@ class Winch:
 
 @dataclass(frozen=True)
 class Motion:
-    """One part of the top's motion along one axis; parts add up."""
+    """One part of an end's motion along one axis; parts add up."""
 
     kind: str = quantity("", "kind of motion", choices=("sinusoid", "ramp", "step"))
     axis: str = quantity("", "axis of the motion", choices=("x", "y", "z"))
@@ -191,6 +192,17 @@ class Top:
     inputs_at: int = quantity(
         "1", "where in the communication step a co-simulation gives its inputs: 0 at the start, 1 at the end", default=0, least=0, most=1
     )
+    motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
+    table: tuple[tuple[float, float, float, float], ...] = quantity(
+        "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()
+    )
+
+
+@dataclass(frozen=True)
+class Lower:
+    """The prescribed motion of a driven lower end."""
+
+    position: tuple[float, float, float] = quantity("m", "position about which a driven lower end moves", default=(0.0, 0.0, 0.0))
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()

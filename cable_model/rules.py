@@ -102,6 +102,22 @@ RULES = (
         "Set lower_end.anchored = true and its x, y, z.",
     ),
     Rule(
+        Given("lower_end.driven") & ~Given("lower_end.anchored"), "lower_end.driven", "false for an end that nothing holds",
+        "Set lower_end.anchored = true.",
+    ),
+    Rule(
+        Given("lower_end.driven") & Given("lower_end.released"), "lower_end.driven", "false for an end that is let go",
+        "Set lower_end.released = false.",
+    ),
+    Rule(
+        Given("lower_end.driven") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.driven",
+        "false beside lower_end.x, y or z, which place an anchor", "Give the place by lower.position, in an FMU by lower.x, y and z.",
+    ),
+    Rule(
+        ~Given("lower_end.driven") & (Changed("lower.position") | Given("lower.motion") | Given("lower.table")), "lower_end.driven",
+        "true for a lower end that [lower] moves", "Set lower_end.anchored and driven = true, or remove [lower].",
+    ),
+    Rule(
         ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
         "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
     ),
@@ -150,17 +166,20 @@ class StartRule:
         return f"{'' if self.equal else '>= '}{self.other} = ", f"{self.where}. {self.remedy}"
 
 
+TURN = "Set solver.space = true, or turn the axes so that x is along it."
 SUNK = 10.0  # diameters: an end that lies on the seabed sinks in a little
 START_RULES = (
     StartRule(On("seabed"), "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
     StartRule(
-        On("seabed") & On("anchor"), "lower_end.z", "seabed.level", "Lower the seabed or lift the anchor.",
+        On("seabed") & On("anchor") & ~On("driven"), "lower_end.z", "seabed.level", "Lower the seabed or lift the anchor.",
         slack="cable.diameter", times=SUNK,
     ),
     StartRule(
-        On("anchor") & ~SPACE, "lower_end.y", "top.y", "Set solver.space = true, or turn the axes so that x is along it.",
-        equal=True, where=" in the plane",
+        On("seabed") & On("driven"), "lower.z", "seabed.level", "Lower the seabed or lift the lower end.",
+        slack="cable.diameter", times=SUNK,
     ),
+    StartRule(On("anchor") & ~On("driven") & ~SPACE, "lower_end.y", "top.y", TURN, equal=True, where=" in the plane"),
+    StartRule(On("driven") & ~SPACE, "lower.y", "top.y", TURN, equal=True, where=" in the plane"),
 )  # fmt: skip
 
 

@@ -12,7 +12,23 @@ from typing import Any
 
 from cable_model import rules
 from cable_model.errors import ParameterError, unknown
-from cable_model.parameters import Body, Cable, Current, Environment, Host, LowerEnd, Run, Seabed, Solver, Top, Tow, Water, Waves, Winch
+from cable_model.parameters import (
+    Body,
+    Cable,
+    Current,
+    Environment,
+    Host,
+    Lower,
+    LowerEnd,
+    Run,
+    Seabed,
+    Solver,
+    Top,
+    Tow,
+    Water,
+    Waves,
+    Winch,
+)
 from cable_model.quantity import build, quantity
 
 
@@ -31,6 +47,7 @@ class Scene:
     current: Current = field(default_factory=Current)
     waves: Waves = field(default_factory=Waves)
     top: Top = field(default_factory=Top)
+    lower: Lower = field(default_factory=Lower)
     winch: Winch = field(default_factory=Winch)
     host: Host = field(default_factory=Host)
     tow: Tow = field(default_factory=Tow)

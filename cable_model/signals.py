@@ -5,6 +5,9 @@ INPUTS = (
     "top.vx", "top.vy", "top.vz",
     "top.ax", "top.ay", "top.az",
     "winch.speed",
+    "lower.x", "lower.y", "lower.z",
+    "lower.vx", "lower.vy", "lower.vz",
+    "lower.ax", "lower.ay", "lower.az",
 )  # fmt: skip
 
 OUTPUTS = (
@@ -19,4 +22,7 @@ OUTPUTS = (
     "coupling.growth",
     "audit.energy", "audit.momentum",
     "top.force_next_x", "top.force_next_y", "top.force_next_z",
+    "lower.force_x", "lower.force_y", "lower.force_z",
+    "lower.force_mean_x", "lower.force_mean_y", "lower.force_mean_z",
+    "lower.declination",
 )  # fmt: skip

@@ -14,7 +14,7 @@ from cable_model.doubts import under_a_given_motion
 from cable_model.driving import follow, output_steps
 from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.model import Model
-from cable_model.motion import MotionLike, top_motion
+from cable_model.motion import MotionLike, motion_of
 from cable_model.signals import INPUTS, OUTPUTS
 
 
@@ -44,7 +44,7 @@ class RunStopped(SolverError):
 
 
 COLUMNS = ("time", *INPUTS, *OUTPUTS)
-_MEANS = [k for k, name in enumerate(OUTPUTS) if name.startswith("top.force_mean_")]  # over the output step, however it is followed
+_MEANS = [k for k, name in enumerate(OUTPUTS) if ".force_mean_" in name]  # over the output step, however it is followed
 
 
 def write_csv(path: Path, columns: tuple[str, ...], table: np.ndarray) -> None:
@@ -124,7 +124,7 @@ def simulate(
     scene = model.scene
     duration = scene.run.duration if duration is None else duration
     step = scene.run.output_step if output_step is None else output_step
-    motion = motion or top_motion(scene.top, scene.winch)
+    motion = motion or motion_of(scene)
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
     impulse = np.zeros(len(_MEANS))
@@ -134,7 +134,7 @@ def simulate(
         impulse[:] += length * model.outputs[_MEANS]
 
     def record(time: float, inputs: np.ndarray, mean: np.ndarray) -> None:
-        row = np.concatenate(([time], inputs, np.zeros(len(INPUTS) - len(inputs)), model.outputs))
+        row = np.concatenate(([time], model.complete(inputs), model.outputs))
         row[1 + len(INPUTS) + np.array(_MEANS)] = mean
         impulse[:] = 0.0
         rows.append(row)

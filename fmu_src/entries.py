@@ -14,8 +14,8 @@ KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAY
 TABLES = ("current", "waves", "curve")  # the tables that an entry takes
 RELEASED = "released"  # beside the parts of a variant: whether the cable hangs anchored and is let go at the start
 SIZES, START, STEP, ADVANCE, POSITIONS, OUTPUTS = range(6)  # what an entry is asked for, see fmu_src.native.export
-ROWS = 9  # of a path of the top
-PATH, END, WORK = 0, 4 * ROWS, 4 * ROWS + 10  # places in an entry's work array: path, inputs at its end, the kernels' own
+ROWS, COLUMNS = 9, 7  # of a path of the cable's ends
+PATH, END, WORK = 0, ROWS * COLUMNS, ROWS * COLUMNS + 19  # places in an entry's work array: path, inputs at its end, the kernels' own
 EXTERNAL = (
     "acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "floor", "fmod", "hypot", "log", "log1p", "memcpy", "memmove",
     "memset", "pow", "round", "sin", "sincos", "sinh", "sqrt", "tan", "tanh", "trunc",

@@ -133,11 +133,14 @@ def fmu_name(name: str) -> str:
     return name.replace("waves.", "wave.")
 
 
-_NAMES = tuple(dict.fromkeys((*RELEASED, *OUTPUTS, *map(fmu_name, FMU_PARAMETERS))))  # in the order of their value references
-_PARAMETERS = tuple(name for name in _NAMES if name not in (*OUTPUTS, CPU_TIME, EFFECTS))
+_FIRST, _LATER = INPUTS[:10], INPUTS[10:]  # inputs: at the head, and those that came later
+# in the order of their value references
+_NAMES = tuple(dict.fromkeys((*_FIRST, *RELEASED, *OUTPUTS, *_LATER, *map(fmu_name, FMU_PARAMETERS))))
+_PARAMETERS = tuple(name for name in _NAMES if name not in (*INPUTS, *OUTPUTS, CPU_TIME, EFFECTS))
 
-_INPUT_FACTS = {"": ("m", "position of the top, {}"), "v": ("m/s", "velocity of the top, {}"), "a": ("m/s2", "acceleration of the top, {}")}
-_PLACES, _SPEEDS, _NONE = INPUTS[:3], INPUTS[3:6], ()
+_INPUT_FACTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
+_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13]), (*INPUTS[3:6], *INPUTS[13:16]), ()
+_DRIVEN = "(needs lower_end.driven)"
 # of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
 _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "top.force_x": ("N", "force of the cable on its attachment, x", 1e3, INPUTS),
@@ -183,6 +186,17 @@ _OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "top.force_next_x": ("N", "force of the cable for a host to hold over the next communication step, x", 1e3, INPUTS),
     "top.force_next_y": ("N", "force of the cable for a host to hold over the next communication step, y", 1e3, INPUTS),
     "top.force_next_z": ("N", "force of the cable for a host to hold over the next communication step, z", 1e3, INPUTS),
+    **{f"lower.force_{axis}": ("N", f"force of the cable on what drives its lower end, {axis} {_DRIVEN}", 1e3, INPUTS) for axis in "xyz"},
+    **{
+        f"lower.force_mean_{axis}": (
+            "N",
+            f"force of the cable on what drives its lower end, {axis}: mean over the last communication step {_DRIVEN}",
+            1e3,
+            INPUTS,
+        )
+        for axis in "xyz"
+    },
+    "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
 }
 
 
@@ -213,15 +227,16 @@ class Variable:
     starts_from: tuple[str, ...] = ()
 
 
-def _inputs(scene: Scene) -> list[Variable]:
-    starts = (*scene.top.position, *([0.0] * 6))
-    rows = []
-    for name, start in zip(INPUTS[:-1], starts, strict=True):
-        kind, axis = name.removeprefix("top.")[:-1], name[-1]
-        unit, text = _INPUT_FACTS[kind]
-        rows.append(Variable(name, "input", "continuous", "Real", unit, text.format(axis), start, nominal=1.0))
-    text = "speed at which the winch pays cable out (needs winch.fitted)"
-    return [*rows, Variable("winch.speed", "input", "continuous", "Real", "m/s", text, 0.0, nominal=1.0)]
+def _input(scene: Scene, name: str) -> Variable:
+    if name == "winch.speed":
+        text = "speed at which the winch pays cable out (needs winch.fitted)"
+        return Variable(name, "input", "continuous", "Real", "m/s", text, 0.0, nominal=1.0)
+    end, _, key = name.partition(".")
+    kind, axis = key[:-1], key[-1]
+    unit, text = _INPUT_FACTS[kind]
+    start = getattr(scene, end).position["xyz".index(axis)] if not kind else 0.0
+    words = f"the top, {axis}" if end == "top" else f"the lower end, {axis} {_DRIVEN}"
+    return Variable(name, "input", "continuous", "Real", unit, text.format(words), start, nominal=1.0)
 
 
 def _output(name: str) -> Variable:
@@ -260,7 +275,8 @@ def _parameter(scene: Scene, name: str) -> Variable:
 
 
 def _row(scene: Scene, name: str) -> Variable:
-    """The row of what is no input."""
+    if name in INPUTS:
+        return _input(scene, name)
     if name == EFFECTS:
         return Variable(name, "local", "fixed", "String", "", "effects that are simulated, and the value that switched each on")
     return _output(name) if name in _OUTPUT_FACTS else _parameter(scene, name)
@@ -270,7 +286,7 @@ def _row(scene: Scene, name: str) -> Variable:
 def table(scene: Scene | None = None) -> tuple[Variable, ...]:
     """The interface, with the start values of a scene (None: the generic one); place = value reference = index in the XML - 1."""
     scene = generic_scene() if scene is None else scene
-    return (*_inputs(scene), *(_row(scene, name) for name in _NAMES))
+    return tuple(_row(scene, name) for name in _NAMES)
 
 
 def in_variables(text: str) -> str:

@@ -151,13 +151,14 @@ def model_description(
 
 
 def osp_description() -> Element:
-    """OspModelDescription.xml [OSP-IS]: the attachment as a linear mechanical port, the body's place and velocity as groups."""
+    """OspModelDescription.xml [OSP-IS]: both ends as linear mechanical ports, their places and the body's place and velocity as groups."""
     root = Element("OspModelDescription", xmlns=_OSP_NAMESPACE, version="1.0")
     groups = SubElement(root, "VariableGroups")
-    port = SubElement(groups, "LinearMechanicalPort", name="top")
-    _group(port, "Force", "top.force", "top.force_")
-    _group(port, "LinearVelocity", "top.velocity", "top.v")
-    _group(groups, "LinearDisplacement", "top.position", "top.")
+    for end in ("top", "lower"):
+        port = SubElement(groups, "LinearMechanicalPort", name=end)
+        _group(port, "Force", f"{end}.force", f"{end}.force_")
+        _group(port, "LinearVelocity", f"{end}.velocity", f"{end}.v")
+        _group(groups, "LinearDisplacement", f"{end}.position", f"{end}.")
     _group(groups, "LinearDisplacement", "body.position", "body.")
     _group(groups, "LinearVelocity", "body.velocity", "body.v")
     return root

@@ -36,7 +36,8 @@ from fmu_src.state import ONLY_OWN, TIMES, SavedState, StateError, checked, pack
 from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, same_text
 
 _PLACES = {row.name: vr for vr, row in enumerate(table())}
-_INPUTS = range(len(INPUTS))
+_INPUTS = tuple(_PLACES[name] for name in INPUTS)
+_ARE_INPUTS = frozenset(_INPUTS)
 _OUTPUTS = tuple(_PLACES[name] for name in OUTPUTS)
 _CPU_TIME, _EFFECTS = _PLACES[CPU_TIME], _PLACES[EFFECTS]
 _PARAMETERS = tuple(vr for vr, row in enumerate(table()) if row.causality == "parameter")
@@ -239,7 +240,7 @@ class CableSlave(Fmi2Slave):
             raise refuse(row.name, shown, row.unit, "set before the end of the simulation", "Reset the FMU first.")
         if kind == "Real" and not math.isfinite(value):
             if row.causality == "input":
-                Model._finite(np.where(np.arange(len(INPUTS)) == vr, value, 0.0))
+                Model._finite(np.where(np.array(_INPUTS) == vr, value, 0.0))
             scene_from_values(self._base, {row.name: value}, self.model_key)
 
     def _get(self, values: dict[int, Any], kind: str, vrs: Sequence[int]) -> list[Any]:
@@ -267,7 +268,7 @@ class CableSlave(Fmi2Slave):
 
     @_guarded
     def set_real(self, vrs: Sequence[int], values: Sequence[float]) -> None:
-        if vrs and min(vrs) >= 0 and max(vrs) < len(INPUTS) and self._phase < Phase.TERMINATED and math.isfinite(sum(values)):
+        if _ARE_INPUTS.issuperset(vrs) and self._phase < Phase.TERMINATED and math.isfinite(sum(values)):
             self._real.update(zip(vrs, values, strict=True))
             self._outdated = True
         else:

@@ -10,7 +10,7 @@ import numpy as np
 from cable_model.effects import used_by
 from cable_model.fmu_check import sampled_motion, simulate_fmu
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.plots import picture
 from cable_model.scene import load
 from cable_model.simulation import Result, write_csv
@@ -28,7 +28,7 @@ def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[st
     Parameters are the scene's values that the FMU's model has a use for.  Results go by the models' names.
     """
     scene = load(scene_name)
-    times, inputs = sampled_motion(top_motion(scene.top, scene.winch), scene.run.duration, scene.run.output_step)
+    times, inputs = sampled_motion(motion_of(scene), scene.run.duration, scene.run.output_step)
     stem = Path(scene_name).stem
     folder.mkdir(parents=True, exist_ok=True)
     results = {}

@@ -15,7 +15,7 @@ from cable_model.cable_chain import CableChain
 from cable_model.cli_console import Console
 from cable_model.errors import ParameterError
 from cable_model.kernels import audit, build, seabed, staggered, staggered_water
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import from_dict, load, with_values
 from cable_model.signals import OUTPUTS
 from cable_model.simulation import simulate
@@ -132,7 +132,7 @@ def test_what_is_taut_pulls_as_its_law_says_in_every_step_of_a_snap(lam, damping
 def dragged(step: float) -> Audit:
     """A chain dragged over the seabed; seabed and friction act at the end of a step, so what is missing falls with the step alone."""
     scene = with_values(load("hard/dragged"), {"solver.audit": True, "solver.nodes": 11, "solver.time_step": step})
-    model, motion = CableChain(scene), top_motion(scene.top, scene.winch)
+    model, motion = CableChain(scene), motion_of(scene)
     found = largest(model, motion, np.full(round(10.0 / step), step))
     assert model.state[audit.BED_WORK] < -0.2 * found.exchanged
     return found

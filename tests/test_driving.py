@@ -11,7 +11,7 @@ import pytest
 
 from cable_model.driving import OutputStep, output_steps, pieces
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.parameters import Motion, Top, Winch
 from cable_model.scene import load, with_values
 from cable_model.simulation import simulate
@@ -46,7 +46,7 @@ def test_outputs_do_not_depend_on_how_often_they_are_written(model):
 def test_output_steps_that_resolve_the_motion_are_one_piece_each():
     for name in ("dale_sphere", "hanging_chain", "towed_body", "basin_chain"):
         scene = load(name)
-        motion = top_motion(scene.top, scene.winch)
+        motion = motion_of(scene)
         for output in output_steps(scene.run.duration, scene.run.output_step):
             (piece,) = pieces(motion, output, scene.solver.time_step)
             assert (piece.time, piece.length) == (output.start, scene.run.output_step)
@@ -56,7 +56,7 @@ def test_output_steps_that_resolve_the_motion_are_one_piece_each():
 @pytest.mark.parametrize("output_step", [0.5, 7.0])
 def test_the_top_moves_between_outputs_as_the_scene_says(top, output_step):
     """The quintic of every piece, written out by its six conditions, against the motion itself."""
-    motion = top_motion(top)
+    motion = PrescribedMotion(top)
     fastest = max(np.abs(motion(t)[6:9]).max() for t in np.linspace(0.0, 7.0, 701))
     for piece in (p for output in output_steps(7.0, output_step) for p in pieces(motion, output, 0.01)):
         h, times = piece.length, np.linspace(0.0, piece.length, 9)[1:-1]
@@ -71,7 +71,7 @@ def test_the_top_moves_between_outputs_as_the_scene_says(top, output_step):
 
 
 def test_pieces_meet_and_keep_the_internal_steps_of_the_whole():
-    motion = top_motion(Top(motion=(Motion(kind="sinusoid", axis="x", amplitude=1.0, angular_frequency=20.0),)))
+    motion = PrescribedMotion(Top(motion=(Motion(kind="sinusoid", axis="x", amplitude=1.0, angular_frequency=20.0),)))
     parts = list(pieces(motion, OutputStep(3.0, 4.0, 1.0), 0.005))
     assert parts[0].time == 3.0 and parts[-1].time + parts[-1].length == pytest.approx(4.0, abs=1e-12)
     assert all(a.time + a.length == pytest.approx(b.time, abs=1e-12) for a, b in itertools.pairwise(parts))
@@ -82,21 +82,21 @@ def test_pieces_meet_and_keep_the_internal_steps_of_the_whole():
 
 def test_an_event_that_rounding_puts_beside_an_output_time_is_at_it():
     """3 * 0.1 is behind 0.3: the step before it must end at rest, and no sliver is left."""
-    motion = top_motion(Top(motion=(Motion(kind="step", axis="x", velocity=0.5, start=0.3),)))
+    motion = PrescribedMotion(Top(motion=(Motion(kind="step", axis="x", velocity=0.5, start=0.3),)))
     before, after = (list(pieces(motion, output, 0.1)) for output in output_steps(1.0, 0.1)[2:4])
     assert len(before) == len(after) == 1
     assert before[0].last[3] == 0.0 and after[0].first[3] == 0.5
 
 
 def test_a_table_that_ends_leaves_the_top_at_rest():
-    motion = top_motion(Top(table=TABLE))
+    motion = PrescribedMotion(Top(table=TABLE))
     first, last = TABLE[0][0], TABLE[-1][0]
     assert motion(last, -1)[3] == pytest.approx(math.cos(last), abs=2e-3) and motion(last, 1)[3] == 0.0
     assert motion(first, 1)[3] == pytest.approx(math.cos(first), abs=2e-3) and motion(first, -1)[3] == 0.0
 
 
 def test_a_cubic_fade_in_ends_with_the_acceleration_of_its_own_side():
-    motion = top_motion(Top(motion=(CUBIC,)))
+    motion = PrescribedMotion(Top(motion=(CUBIC,)))
     before, at = motion(0.77 - 1e-9, -1)[8], motion(0.77, -1)[8]
     assert at == pytest.approx(before, abs=1e-6)
     assert abs(motion(0.77, 1)[8] - at) > 0.5
@@ -128,7 +128,7 @@ def test_runs_with_a_last_short_step_are_compared_row_by_row():
 
 
 def test_winch_speeds_between_rows_are_linear_and_rows_are_events():
-    motion = top_motion(Top(), Winch(fitted=True, speeds=((0.0, 0.0), (10.3, 0.0), (10.5, 4.0), (10.7, 0.0))))
+    motion = PrescribedMotion(Top(), Winch(fitted=True, speeds=((0.0, 0.0), (10.3, 0.0), (10.5, 4.0), (10.7, 0.0))))
     parts = list(pieces(motion, OutputStep(10.0, 11.0, 1.0), 0.5))
     assert [part.time for part in parts] == [10.0, 10.3, 10.5, 10.7]
     assert sum(0.5 * (part.first[9] + part.last[9]) * part.length for part in parts) == pytest.approx(0.8)

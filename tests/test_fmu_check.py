@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from cable_model.cli import app
 from cable_model.fmu_check import divided, recorded_motion, rows_of_inputs, sampled_motion
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene, load, to_toml, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate, write_csv
@@ -78,14 +78,14 @@ def _pulse() -> Scene:
 
 def test_a_host_communicates_at_the_rows_of_a_table_and_at_the_end():
     scene = _pulse()
-    times, inputs = sampled_motion(top_motion(scene.top, scene.winch), scene.run.duration, scene.run.output_step)
+    times, inputs = sampled_motion(motion_of(scene), scene.run.duration, scene.run.output_step)
     assert times.tolist() == [*(0.5 * k for k in range(21)), 10.3, 10.5, 10.7, 11.0, 11.5, 12.0, 12.25]
     assert inputs[times == 10.5, 9] == 4.0
     assert np.trapezoid(inputs[:, 9], times) == pytest.approx(0.8)
 
 
 def test_recorded_rows_give_back_the_motion_between_them():
-    motion = top_motion(CIRCLE.top)
+    motion = motion_of(CIRCLE)
     times, inputs = sampled_motion(motion, 3.0, 0.1)
     between = recorded_motion(*rows_of_inputs(Path("a"), ("time", *INPUTS), np.column_stack([times, inputs])))
     finer, rows = divided(times, inputs, between, 4)

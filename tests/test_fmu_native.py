@@ -20,7 +20,7 @@ from cable_model.condition import CHANGED, Literal
 from cable_model.effects import PARAMETERS
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.parameters import field_of
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.signals import INPUTS
@@ -93,7 +93,7 @@ def native_run(instance: Instance, values: dict[str, Any], inputs: np.ndarray, s
 @pytest.mark.parametrize(("key", "name"), SCENES)
 def test_a_shipped_scene_gives_what_the_library_gives(native: dict[str, Fmu], key: str, name: str):
     scene = lean(name, key)
-    motion, step = top_motion(scene.top), scene.run.output_step
+    motion, step = motion_of(scene), scene.run.output_step
     inputs = np.array([motion(k * step) for k in range(STEPS)])
     instance = native[key].instance()
     assert_same(native_run(instance, values_of(scene, key), inputs, step), library_run(key, scene, inputs, step))

@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.signals import INPUTS
 from fmu_src.build import main as build_main
 from fmu_src.interface import generic_scene, table
@@ -176,7 +176,7 @@ def test_a_shipped_scene_gives_the_same_numbers_on_another_platform(
     """To 1e-9 of each signal's size: libm's last digits differ."""
     folder, command = runner
     fmu, scene = fmus_of_all[key], lean(name, key)
-    values, motion, step = values_of(scene, key), top_motion(scene.top), scene.run.output_step
+    values, motion, step = values_of(scene, key), motion_of(scene), scene.run.output_step
     inputs = np.array([motion(k * step) for k in range(STEPS)])
     rows = {row.name: (vr, row.kind[0].lower()) for vr, row in enumerate(table(generic_scene()))}
     given = [f"{rows[name][1]} {rows[name][0]} {float(value)!r}" for name, value in values.items() if not isinstance(value, str)]

@@ -20,7 +20,7 @@ from native_support import lean
 
 from cable_model.fmu_check import sampled_motion, simulate_fmu
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.parameters import Motion, Top
 from cable_model.signals import OUTPUTS
 from fmu_src.build import build as build_fmu
@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SCENES = [("chain", "hanging_chain"), ("chain", "towed_body"), ("tow", "dale_sphere")]
 LONGER = [("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body")]
 SCENES += [pytest.param(*case, marks=pytest.mark.long) for case in LONGER]
-SMOOTH = top_motion(
+SMOOTH = PrescribedMotion(
     Top(
         motion=tuple(
             Motion(kind="sinusoid", axis=axis, amplitude=1.0, angular_frequency=2.0 * math.pi / 7.0, phase=phase, ramp_time=8.0)
@@ -60,7 +60,7 @@ def test_shipped_scenes_give_in_an_fmu_what_the_library_gives(tmp_path: Path, ke
     scene = lean(name, key)
     path = build_fmu(key, scene, tmp_path / f"{name}.fmu", precompile=False)
     step, count = scene.run.output_step, 40
-    times, inputs = sampled_motion(top_motion(scene.top), count * step, step)
+    times, inputs = sampled_motion(motion_of(scene), count * step, step)
     columns, table = simulate_fmu(path, times, inputs)
     model = MODELS[key](scene)
     model.initialize(inputs[0])

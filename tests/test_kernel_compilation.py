@@ -20,9 +20,9 @@ with warnings.catch_warnings(record=True):
     warnings.simplefilter("always")
     assert ("_nrt" in jit.options()) == ("pipeline_class" in jit.inner_options()) == private
 from cable_model import TowCable, load
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 scene = load("dale_sphere")
-model, motion = TowCable(scene), top_motion(scene.top)
+model, motion = TowCable(scene), motion_of(scene)
 model.initialize(motion(0.0))
 for k in range(50):
     model.advance(0.1 * k, 0.1, motion(0.1 * k), motion(0.1 * (k + 1), -1))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cable_model.errors import ParameterError
-from cable_model.motion import fade_in, top_motion
+from cable_model.motion import PrescribedMotion, fade_in
 from cable_model.parameters import Motion, Top
 
 SWING = Motion(kind="sinusoid", axis="x", amplitude=0.3, angular_frequency=2.0, phase=0.4, ramp_time=1.5)
@@ -17,21 +17,21 @@ TABLE = tuple((t, np.sin(t), 0.0, np.cos(t)) for t in np.linspace(0.0, 6.0, 25))
 @pytest.mark.parametrize("top", [Top(motion=(SWING,)), Top(motion=(RAMP,)), Top(motion=(SWING, RAMP)), Top(table=TABLE)])
 @pytest.mark.parametrize("time", [0.3, 0.9, 1.4, 2.2, 4.1])
 def test_velocity_and_acceleration_are_the_derivatives_of_position(top, time):
-    motion, h = top_motion(top), 1e-5
+    motion, h = PrescribedMotion(top), 1e-5
     before, now, after = motion(time - h), motion(time), motion(time + h)
     assert now[3:6] == pytest.approx((after[:3] - before[:3]) / (2 * h), abs=1e-8)
     assert now[6:9] == pytest.approx((after[3:6] - before[3:6]) / (2 * h), abs=1e-7)
 
 
 def test_a_ramp_ends_with_its_velocity_and_the_distance_of_its_mean():
-    state = top_motion(Top(motion=(RAMP,)))(2.5)
+    state = PrescribedMotion(Top(motion=(RAMP,)))(2.5)
     assert state[5] == pytest.approx(-1.2)
     assert state[2] == pytest.approx(-1.2)
     assert state[8] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_step_of_velocity_has_two_sides():
-    motion = top_motion(Top(motion=(Motion(kind="step", axis="x", velocity=0.5, start=1.0),)))
+    motion = PrescribedMotion(Top(motion=(Motion(kind="step", axis="x", velocity=0.5, start=1.0),)))
     assert motion(1.0, -1)[3] == 0.0
     assert motion(1.0, 1)[3] == 0.5
     assert motion(3.0)[0] == pytest.approx(1.0)
@@ -45,4 +45,4 @@ def test_fading_in_is_complete_and_flat_at_both_ends():
 
 def test_a_table_with_falling_times_is_refused():
     with pytest.raises(ParameterError, match=r"^top\.table = 4 rows: must be at least 4 rows of rising time\. "):
-        top_motion(Top(table=((0.0, 0, 0, 0), (2.0, 0, 0, 0), (1.0, 0, 0, 0), (3.0, 0, 0, 0))))
+        PrescribedMotion(Top(table=((0.0, 0, 0, 0), (2.0, 0, 0, 0), (1.0, 0, 0, 0), (3.0, 0, 0, 0))))

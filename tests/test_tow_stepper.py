@@ -10,6 +10,7 @@ from cable_model.effects import Parts
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_schemes, tow_step
 from cable_model.kernels import tow as kernels
+from cable_model.kernels.top import COLUMNS, ROWS
 from cable_model.tow_cable import TowCable
 
 pytestmark = pytest.mark.shipped
@@ -262,7 +263,7 @@ def test_nan_never_comes_back_with_ok():
     for trial in range(20 if SLOW else 200):
         model.initialize(still())
         model.state[random.integers(kernels.ANGLE, kernels.ANGLE + 4)] = nasty(random) if trial % 2 else 0.0
-        path = np.zeros((6, 3))
+        path = np.zeros((ROWS, COLUMNS))
         path[random.integers(6), random.choice([0, 2])] = nasty(random)
         before = model.state.copy()
         with np.errstate(all="ignore"):

@@ -19,15 +19,16 @@ from cable_model.kernels.error_control import (
     judge,
     see_motion,
 )
+from cable_model.kernels.exchange import LOWER_END as LOWER_EXCHANGE
 from cable_model.kernels.exchange import add_averaged, begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import axes, cut, state_size, top_at, work_size
+from cable_model.kernels.layout import axes, cut, state_size, vector_at, work_size
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
-from cable_model.kernels.staggered_step import Winding, with_tolerance
-from cable_model.kernels.top import WINCH, arrival, leaves_plane, winch_turns
+from cable_model.kernels.staggered_step import Ends, Winding, with_tolerance
+from cable_model.kernels.top import LOWER_END, UPPER_END, WINCH, arrival, leaves_plane, lower_end_moves, winch_turns
 from cable_model.kernels.vector import axpy, sub
 from cable_model.kernels.watch import open_bottom
 
@@ -57,12 +58,23 @@ def _anchored(anchor, space, p):
     return axes(space, p[0].lower_end.x, p[0].lower_end.y, p[0].lower_end.z)
 
 
+@kernel
+def _held_there(driven, anchor, parts, p, state):
+    return _anchor(anchor, parts.space, p)
+
+
+@kernel
+def _driven_there(driven, anchor, parts, p, state):
+    return vector_at(parts, state, header.LOWER)
+
+
 _anchor = by_presence(_free, _anchored)
+_held_place = by_presence(_held_there, _driven_there)  # where the lower end is held at the start; None where nothing holds it
 
 
 @kernel
 def initialize(parts, p, time, state, work):
-    """Static equilibrium under the top of the header; the top alone moves already."""
+    """Static equilibrium between the ends of the header; they alone move already."""
     status = settle(parts, p, time, state, work)
     if status != header.OK:
         return status
@@ -75,8 +87,12 @@ def settle(parts, p, time, state, work):
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
-    top = top_at(parts, state, 0)
-    status = grid.equilibrium(parts.box, parts, problem, p, view, top, _anchor(parts.anchor, parts.space, p), time)
+    refused = _lower_end_refused(parts.driven, state)
+    if refused != header.OK:
+        return refused
+    top = vector_at(parts, state, header.TOP)
+    held = _held_place(parts.driven, parts.anchor, parts, p, state)
+    status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)
     if status == header.OK:
         return status
     _note_worst(view.scratch.x, state)
@@ -92,13 +108,15 @@ def settle(parts, p, time, state, work):
 
 @kernel
 def set_off(parts, p, time, state, work):
-    """Rates of change of a cable in place and at rest, whose top alone moves already; no steps yet."""
+    """Rates of change of a cable in place and at rest, whose ends alone move already; no steps yet."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
-    top = top_at(parts, state, 0)
+    top = vector_at(parts, state, header.TOP)
+    velocity = Ends(vector_at(parts, state, header.TOP + 3), _lower_rate(parts.driven, parts, state, 3))
+    acceleration = Ends(vector_at(parts, state, header.TOP + 6), _lower_rate(parts.driven, parts, state, 6))
     state[header.MESH_LENGTH] = problem.cable.length
     winding = winding_now(parts.winch, problem, state)
-    status = grid.starting_rates(parts.box, parts, problem, p, view, top, top_at(parts, state, 3), top_at(parts, state, 6), winding, time)
+    status = grid.starting_rates(parts.box, parts, problem, p, view, top, velocity, acceleration, winding, time)
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):
@@ -111,7 +129,7 @@ def set_off(parts, p, time, state, work):
 
 
 class Course(NamedTuple):
-    """Where the top and the winch go while a communication step is integrated."""
+    """Where the ends and the winch go while a communication step is integrated."""
 
     path: object
     span: float  # s
@@ -120,12 +138,17 @@ class Course(NamedTuple):
 
 
 @kernel
-def _top_on(parts, course, time):
-    """Position and velocity of the top in the chain's dimension at `time` from the start of the communication step."""
-    x, vx, _ = followed(course.path, course.span, course.bridge, course.pending, time, 0)
-    y, vy, _ = followed(course.path, course.span, course.bridge, course.pending, time, 1)
-    z, vz, _ = followed(course.path, course.span, course.bridge, course.pending, time, 2)
+def _end_on(parts, course, column, time):
+    """Position and velocity of an end in the chain's dimension at `time` from the start of the communication step."""
+    x, vx, _ = followed(course.path, course.span, course.bridge, course.pending, time, column)
+    y, vy, _ = followed(course.path, course.span, course.bridge, course.pending, time, column + 1)
+    z, vz, _ = followed(course.path, course.span, course.bridge, course.pending, time, column + 2)
     return axes(parts.space, x, y, z), axes(parts.space, vx, vy, vz)
+
+
+@kernel
+def _top_on(parts, course, time):
+    return _end_on(parts, course, UPPER_END.column, time)
 
 
 @kernel
@@ -149,6 +172,41 @@ def _without_anchor(anchor, parts, p, view, velocity, position, h):
 
 
 _top_velocity = by_presence(_without_anchor, _drawn_to)  # drift arises where something below holds the cable
+
+
+@kernel
+def _at_rest(driven, parts, view, course, done, h, closing):
+    return axes(parts.space, 0.0, 0.0, 0.0)
+
+
+@kernel
+def _lower_drawn(driven, parts, view, course, done, h, closing):
+    """Velocity of a driven lower end at the end of a step of h, which also removes its drift from its prescribed place.
+
+    Where it has come to is the integrated top less all cell vectors.
+    """
+    prescribed, _ = _end_on(parts, course, LOWER_END.column, done)
+    _, velocity = _end_on(parts, course, LOWER_END.column, done + h)
+    at = grid.held_top(parts.box, parts.inextensible, view, prescribed)
+    for i in range(view.mesh.shape[0]):
+        at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
+    return axpy(0.25 / closing, sub(prescribed, at), velocity)
+
+
+_lower_velocity = by_presence(_at_rest, _lower_drawn)
+
+
+@kernel
+def _stands(driven, parts, state, k):
+    return axes(parts.space, 0.0, 0.0, 0.0)
+
+
+@kernel
+def _lower_moves(driven, parts, state, k):
+    return vector_at(parts, state, header.LOWER + k)
+
+
+_lower_rate = by_presence(_stands, _lower_moves)  # velocity (k = 3) or acceleration (6) of the lower end at the start
 
 
 @kernel
@@ -192,8 +250,26 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, le
         yd0[i] = yd[i] + shift * ydd[i]
     before, _ = _top_on(parts, course, done)
     after, velocity = _top_on(parts, course, done + h)
-    velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, max(h, FADING * state[header.DRIFT_STEP], least))
-    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, velocity, winding)
+    closing = max(h, FADING * state[header.DRIFT_STEP], least)
+    top_velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, closing)
+    ends = Ends(top_velocity, _lower_velocity(parts.driven, parts, view, course, done, h, closing))
+    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, ends, winding)
+
+
+@kernel
+def _no_changes(driven, parts, course, done, h):
+    still = axes(parts.space, 0.0, 0.0, 0.0)
+    return still, still
+
+
+@kernel
+def _changes(driven, parts, course, done, h):
+    before, slower = _end_on(parts, course, LOWER_END.column, done)
+    after, faster = _end_on(parts, course, LOWER_END.column, done + h)
+    return sub(after, before), sub(faster, slower)
+
+
+_lower_changes = by_presence(_no_changes, _changes)  # of place and velocity of the lower end in a step
 
 
 @kernel
@@ -201,15 +277,19 @@ def _count(parts, problem, view, state, c, time, course, done, h):
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
     before, slower = _top_on(parts, course, done)
     after, faster = _top_on(parts, course, done + h)
-    force = grid.mean_force(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
-    gap = h - c.alpha_k * h + state[header.LAG]
-    middle = add_averaged(state, in_axes(parts.space, force, 0.0), (0.5 - c.alpha_k) * h, gap, h, done, course.span)
-    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, sub(faster, slower), middle)
+    lower_way, lower_gain = _lower_changes(parts.driven, parts, course, done, h)
+    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
+    late, gap = (0.5 - c.alpha_k) * h, h - c.alpha_k * h + state[header.LAG]
+    middle = add_averaged(0, state, in_axes(parts.space, force.top, 0.0), late, gap, h, done, course.span)
+    if parts.driven is not None:
+        add_averaged(LOWER_EXCHANGE, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
+    ways, gained = Ends(sub(after, before), lower_way), Ends(sub(faster, slower), lower_gain)
+    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, ways, gained, middle)
 
 
 @kernel
 def _accept(parts, problem, view, state, c, time, course, done, h, tiny):
-    grid.keep(parts.box, parts, problem, view, top_at(parts, state, 0), h)
+    grid.keep(parts.box, parts, problem, view, vector_at(parts, state, header.TOP), h)
     size = view.y.size
     y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
@@ -258,15 +338,28 @@ def _winch_refused(winch, path, length):
 
 
 @kernel
-def _leaves_plane(space, path, state, length):
+def _lower_end_refused(driven, state):
+    """Whether the start values of inputs place or move a lower end that nothing drives."""
+    if driven is None:
+        for k in range(header.LOWER, header.KEPT_LOWER):
+            if state[k] != 0.0:
+                return header.NOT_DRIVEN
+    return header.OK
+
+
+@kernel
+def _leaves_plane(space, driven, path, state, length):
     if space is not None:
         return False
-    return leaves_plane(path, state[header.TOP + 1], length)
+    y = state[header.TOP + 1]
+    if driven is not None and leaves_plane(path, y, length, LOWER_END):
+        return True
+    return leaves_plane(path, y, length, UPPER_END)
 
 
 @kernel
 def advance(parts, p, time, span, path, state, work):
-    """Integrate over [time, time + span] while the top follows `path`; internal steps are the chain's own.
+    """Integrate over [time, time + span] while the ends follow `path`; internal steps are the chain's own.
 
     solver.tolerance 0: the fewest equal steps not longer than solver.time_step, cut where Newton's method fails.  Above 0: the
     truncation error of a step, as an acceleration, is kept below TOLERATED tolerance times that of the largest motion so far (at
@@ -278,7 +371,10 @@ def advance(parts, p, time, span, path, state, work):
     if refused != header.OK:
         state[header.ERROR_TIME] = time
         return refused
-    if _leaves_plane(parts.space, path, state, problem.cable.length):
+    if parts.driven is None and lower_end_moves(path):
+        state[header.ERROR_TIME] = time
+        return header.NOT_DRIVEN
+    if _leaves_plane(parts.space, parts.driven, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
@@ -375,7 +471,7 @@ def advance(parts, p, time, span, path, state, work):
 
 @kernel
 def _go_on(parts, problem, view, state, time, span, path):
-    """Clock, top and winch at the end of the path."""
+    """Clock, ends and winch at the end of the path."""
     _winding(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
     paid_out, speed, acceleration = arrival(path, WINCH)
     state[header.PAID_OUT] = paid_out
@@ -387,3 +483,15 @@ def _go_on(parts, problem, view, state, time, span, path):
         state[header.TOP + k] = position
         state[header.TOP + 3 + k] = velocity
         state[header.TOP + 6 + k] = acceleration
+    _move_lower(parts.driven, path, state)
+
+
+@kernel
+def _move_lower(driven, path, state):
+    if driven is None:
+        return
+    for k in range(3):
+        position, velocity, acceleration = arrival(path, LOWER_END.column + k)
+        state[header.LOWER + k] = position
+        state[header.LOWER + 3 + k] = velocity
+        state[header.LOWER + 6 + k] = acceleration

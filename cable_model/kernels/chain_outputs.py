@@ -5,10 +5,10 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.exchange import tell_exchange
+from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel, views
-from cable_model.kernels.layout import cut, led_on, top_at
+from cable_model.kernels.layout import cut, led_on, vector_at
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding
@@ -41,7 +41,7 @@ def node_positions(parts, p, state, work, positions):
     """Positions (n, 3) of all nodes, summed from the prescribed top downwards."""
     view = _now(parts, p, state, work)
     n = view.mesh.shape[0] + 1
-    at = top_at(parts, state, 0)
+    at = vector_at(parts, state, header.TOP)
     for i in range(n - 1, -1, -1):
         if i < n - 1:
             at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
@@ -55,18 +55,18 @@ def outputs(parts, p, state, work, out):
     c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     view = _now(parts, p, state, work)
     ahead = tensions_ahead(state, c)
-    top = top_at(parts, state, 0)
+    top = vector_at(parts, state, header.TOP)
     winding = winding_now(parts.winch, problem, state)
     force, t, position, velocity, end, largest, smallest, slack = grid.measure(
         parts.box, parts, problem, p, view, state[header.STEP], state[header.OFFSET], ahead, top, winding, state[header.TIME]
     )
     pulled = 0.0
     for k in range(len(top)):
-        pulled -= force[k] * t[k]
+        pulled -= force.top[k] * t.top[k]
     pulled = limited(parts, problem.numeric, view.mesh[view.mesh.shape[0] - 1, 0], pulled)
-    _spread(parts.space, force, 0.0, out, 0)
+    _spread(parts.space, force.top, 0.0, out, 0)
     out[3] = pulled
-    out[4] = math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
+    out[4] = _declination(t.top)
     _spread(parts.space, position, state[header.TOP + 1], out, 5)
     _spread(parts.space, velocity, 0.0, out, 8)
     out[11] = end
@@ -76,9 +76,24 @@ def outputs(parts, p, state, work, out):
     out[15] = state[header.STEPS]
     out[16] = state[header.NEWTON]
     out[17] = state[header.REJECTED]
+    _tell_lower_end(parts.driven, parts, force.lower, t.lower, out)
     tell_exchange(state, out)
     watch_outputs(parts, p, state, out)
-    watch_set_off(parts, p, state, dot(top_at(parts, state, 3), t), out)
+    watch_set_off(parts, p, state, dot(vector_at(parts, state, header.TOP + 3), t.top), out)
+
+
+@kernel
+def _declination(t):
+    """Angle from straight down of a cable whose tangent towards the top is t."""
+    return math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
+
+
+@kernel
+def _tell_lower_end(driven, parts, force, t, out):
+    if driven is None:
+        return
+    _spread(parts.space, force, 0.0, out, LOWER_FORCES)
+    out[LOWER_MEANS + 3] = _declination(t)
 
 
 @kernel

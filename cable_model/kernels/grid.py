@@ -10,7 +10,8 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.slack import limited
-from cable_model.kernels.vector import axpy, load, mix, norm, scale
+from cable_model.kernels.staggered_step import Ends
+from cable_model.kernels.vector import axpy, load, mix, unit
 
 
 @kernel
@@ -104,8 +105,9 @@ def _staggered_rates(box, parts, problem, p, view, top, velocity, acceleration, 
 def _box_rates(box, parts, problem, p, view, top, velocity, acceleration, winding, time):
     h = p[0].solver.time_step if p[0].solver.tolerance == 0.0 else 0.01 * p[0].solver.time_step
     return box_chain.starting_rates(
-        parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, top, velocity, acceleration, time, h, view.scratch
-    )
+        parts, problem, view.mesh, view.y, view.yd, view.contraction, view.y1, view.yd1, top, velocity.top, acceleration.top, time, h,
+        view.scratch,
+    )  # fmt: skip
 
 
 starting_rates = by_presence(_staggered_rates, _box_rates)
@@ -125,7 +127,7 @@ def _staggered_step(box, parts, problem, view, c, time, h, reach, before, after,
 def _box_step(box, parts, problem, view, c, time, h, reach, before, after, velocity, winding):
     return box_step.newton_step(
         parts, problem, view.mesh, view.y, view.yd0, view.y_old, reach, c, time + (1.0 - c.alpha_k) * h, h,
-        before, velocity, view.contraction, view.y1, view.yd1, view.scratch,
+        before, velocity.top, view.contraction, view.y1, view.yd1, view.scratch,
     )  # fmt: skip
 
 
@@ -166,19 +168,21 @@ keep = by_presence(_staggered_keep, _box_keep)  # what the next step needs, besi
 
 
 @kernel
-def _staggered_force(box, parts, problem, view, c, time, h, before, after, winding):
-    return staggered_chain.mean_force(
+def _staggered_forces(box, parts, problem, view, c, time, h, before, after, winding):
+    return staggered_chain.mean_forces(
         parts, problem, c, h, view.mesh, view.y, view.yd0, view.y1, mix(1.0 - c.alpha_k, after, c.alpha_k, before), winding,
         time + (1.0 - c.alpha_k) * h, view.scratch,
     )  # fmt: skip
 
 
 @kernel
-def _box_force(box, parts, problem, view, c, time, h, before, after, winding):
-    return box_chain.mean_force(parts, problem, c, view.y, view.yd0, view.y1, view.yd1)
+def _box_forces(box, parts, problem, view, c, time, h, before, after, winding):
+    force = box_chain.mean_force(parts, problem, c, view.y, view.yd0, view.y1, view.yd1)
+    return Ends(force, force)
 
 
-mean_force = by_presence(_staggered_force, _box_force)  # on the attachment in the step just taken; after keep
+# on what holds the ends in the step just taken, as staggered_chain.end_forces; after keep
+mean_forces = by_presence(_staggered_forces, _box_forces)
 
 
 @kernel
@@ -270,15 +274,18 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
     end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
-    force = staggered_chain.top_force(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
-    q = load(view.y, n - 2, top)
+    forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
+    tangents = Ends(unit(load(view.y, n - 2, top)), unit(load(view.y, 0, top)))
     end = limited(parts, problem.numeric, mesh[0, 0], end)
-    return force, scale(1.0 / norm(q), q), position, load(view.y, n, top), end, largest, smallest, slack / length
+    return forces, tangents, position, load(view.y, n, top), end, largest, smallest, slack / length
 
 
 @kernel
 def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding, time):
-    return box_chain.measure(parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p))
+    force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
+        parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
+    )
+    return Ends(force, force), Ends(t, t), position, velocity, end, largest, smallest, slack
 
 
 measure = by_presence(_staggered_measure, _box_measure)

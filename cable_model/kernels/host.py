@@ -15,7 +15,7 @@ host was not told.  So the sum of force told times step is the cable's impulse, 
 from cable_model.kernels.exchange import MEANS, NEXT, TOLD, tell_exchange
 from cable_model.kernels.header import HOST, PAID_OUT, SHORTEST, TOP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import ARRIVAL, NEAR, horizon, wind
+from cable_model.kernels.top import ARRIVAL, LOWER_END, NEAR, go_on, horizon, wind
 
 # in the state; three numbers each where they are vectors
 KNOWN = HOST  # 0 before the first step; then 1, and 1 more for each mean of the outer force that is known, up to 3
@@ -124,7 +124,7 @@ def guess_first(state, room):
 def lay_path(space, p, state, room, path):
     """Where the mass goes from its place now under the outer force and the guess: position by the fourth power of time.
 
-    What the plane does not have is left as it is: y, and the winch's column.
+    What the mass does not move is left as it is: y in the plane, and the columns of the winch and the lower end.
     """
     mass, h = p[0].host.mass, room[STEP]
     for k in range(3):
@@ -147,11 +147,12 @@ def lay_path(space, p, state, room, path):
 
 @kernel
 def rest_of_path(state, h, path):
-    """The path of what the mass does not move, of the step after this one: y stays, and the winch's speed goes on as it changed."""
+    """The path of what the mass does not move, of the step after this one: y stays, winch and lower end go on as their speeds changed."""
     for i in range(path.shape[0]):
         path[i, 1] = 0.0
     path[0, 1] = path[ARRIVAL, 1] = state[TOP + 1]
     wind(state[PAID_OUT], state[WINCH_SPEED], state[WINCH_SPEED] + h * state[WINCH_ACCELERATION], h, path)
+    go_on(state, LOWER_END, h, path)
 
 
 @kernel

@@ -10,7 +10,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import node_count
-from cable_model.kernels.top import PATH, ROWS
+from cable_model.kernels.top import COLUMNS, PATH, ROWS
 
 
 class View(NamedTuple):
@@ -28,7 +28,7 @@ class View(NamedTuple):
     y1: object
     yd1: object
     yd0: object
-    bridge: object  # (9, 4): path of the top over the pending time, see pending.py
+    bridge: object  # (9, 7): path of the ends over the pending time, see pending.py
     scratch: object
 
 
@@ -83,7 +83,7 @@ def cut(parts, p, state, work):
         work[PATH : PATH + m].reshape((rows, d)),
         work[PATH + m : PATH + 2 * m].reshape((rows, d)),
         work[PATH + 2 * m : PATH + 3 * m].reshape((rows, d)),
-        work[0:PATH].reshape((ROWS, 4)),
+        work[0:PATH].reshape((ROWS, COLUMNS)),
         grid.cut_scratch(parts.box, parts.bending, work[PATH + 3 * m :], n, like),
     )
 
@@ -101,6 +101,6 @@ def led_on(parts, view, time, last, offset):
 
 
 @kernel
-def top_at(parts, state, offset):
-    k = header.TOP + offset
+def vector_at(parts, state, k):
+    """A vector of the state's head, in the chain's own dimension."""
     return axes(parts.space, state[k], state[k + 1], state[k + 2])

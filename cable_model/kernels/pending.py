@@ -2,18 +2,21 @@
 
 Over a sliver the differences of velocities and tensions that the chain predicts from are rounding, and every step far shorter than the one
 before excites what the mesh does not resolve.  So nothing is integrated over pending time.  Outputs lead on from the last internal step by
-its rates; the step that ends the waiting begins where the last one ended, with the top on a quintic (the bridge) from there to where it is.
+its rates; the step that ends the waiting begins where the last one ended, with the ends on quintics (the bridge) from there to where they
+are.
 """
 
 import math
 
 from cable_model.kernels.error_control import GROWTH
 from cable_model.kernels.header import (
+    KEPT_LOWER,
     KEPT_PAID_OUT,
     KEPT_TOP,
     KEPT_WINCH_SPEED,
     LAG,
     LAG_BEFORE,
+    LOWER,
     PAID_OUT,
     PENDING,
     SHORTEST,
@@ -22,7 +25,7 @@ from cable_model.kernels.header import (
     WINCH_SPEED,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import arrival, evaluate, quintic, wind_between
+from cable_model.kernels.top import LOWER_END, UPPER_END, arrival, evaluate, quintic, wind_between
 
 SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
 
@@ -52,10 +55,11 @@ def equal_step(time_step, last, pending, span):
 
 @kernel
 def wait(state, span, path):
-    """Count a communication step as pending; the first one says where the top was when the waiting began."""
+    """Count a communication step as pending; the first one says where the ends were when the waiting began."""
     if state[PENDING] == 0.0:
-        for k in range(3):
-            state[KEPT_TOP + k], state[KEPT_TOP + 3 + k], state[KEPT_TOP + 6 + k] = evaluate(path, span, 0.0, k)
+        for kept, column in ((KEPT_TOP, UPPER_END.column), (KEPT_LOWER, LOWER_END.column)):
+            for k in range(3):
+                state[kept + k], state[kept + 3 + k], state[kept + 6 + k] = evaluate(path, span, 0.0, column + k)
         state[KEPT_PAID_OUT] = state[PAID_OUT]
         state[KEPT_WINCH_SPEED] = state[WINCH_SPEED]
     state[PENDING] += span
@@ -63,10 +67,11 @@ def wait(state, span, path):
 
 @kernel
 def build_bridge(state, bridge):
-    """Path of the top and the winch over the pending time."""
+    """Path of the ends and the winch over the pending time."""
     pending = state[PENDING]
     if pending > 0.0:
-        quintic(state[KEPT_TOP : KEPT_TOP + 9], state[TOP : TOP + 9], pending, bridge)
+        quintic(state[KEPT_TOP : KEPT_TOP + 9], state[TOP : TOP + 9], pending, bridge, UPPER_END.column)
+        quintic(state[KEPT_LOWER : KEPT_LOWER + 9], state[LOWER : LOWER + 9], pending, bridge, LOWER_END.column)
         wind_between(state[KEPT_PAID_OUT], state[KEPT_WINCH_SPEED], state[PAID_OUT], pending, bridge)
 
 

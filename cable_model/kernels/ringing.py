@@ -117,7 +117,7 @@ def _add_kinks(p, state):
 
 @kernel
 def watch_ringing(p, state, inputs):
-    """Look at the last communication step, now that inputs (10,) say how the host moved in it; before watch_inputs."""
+    """Look at the last communication step, now that inputs (19,) say how the host moved in it; before watch_inputs."""
     h = state[SPAN]
     if h > 0.0:
         at_end = p[0].top.inputs_at > 0.0  # then the top moved as the host did

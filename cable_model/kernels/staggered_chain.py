@@ -8,9 +8,9 @@ from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
-from cable_model.kernels.staggered_step import Gains, Winding, average, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Ends, Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
-from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, zero
+from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, unit, zero
 
 
 @kernel
@@ -34,13 +34,14 @@ def unwound(problem):
 def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top, velocity, acceleration, winding, time, h, s):
     """Rates of change at the start, as the limit of a backward-difference step much shorter than h.
 
-    The cable is in place and at rest but for its top, which already has its prescribed velocity.
+    The cable is in place and at rest but for its ends, which already have their prescribed velocities.
     """
     n = mesh.shape[0] + 1
-    store(y, 2 * n - 1, velocity)
+    store(y, 2 * n - 1, velocity.top)
+    hold_anchor(parts.anchor, y, n, velocity.lower)
     short = 1e-6 * h
     backward = Coefficients(0.0, 0.0, 1.0)
-    ahead = axpy(short, acceleration, velocity)
+    ahead = Ends(axpy(short, acceleration.top, velocity.top), axpy(short, acceleration.lower, velocity.lower))
     contraction[0] = 0.0
     status = newton_step(
         parts, problem, mesh, y, yd, yd, backward, time, short, top, ahead, winding, contraction, y1, yd1, force, force, 0.0, s
@@ -78,25 +79,34 @@ def axial_force(parts, numeric, mesh, y, i, like, s):
 
 
 @kernel
-def top_force(parts, problem, mesh, y, acceleration, top, winding, time, s):
-    """Force of the cable on its attachment; `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions."""
-    n = mesh.shape[0] + 1
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
-    lowest = max(n - 3, 0)
-    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
-    return load(s.x, n - 1, top)
+def _lowest(driven, n):
+    """The lowest cell that the forces on what holds the ends ask for."""
+    return max(n - 3, 0) if driven is None else 0
 
 
 @kernel
-def mean_force(parts, problem, c, h, mesh, y0, yd0, y1, top, winding, time, s):
-    """Force of the cable on its attachment in the step just taken, as its equations have it: at the averaged time, at which `top` is."""
+def end_forces(parts, problem, mesh, y, acceleration, top, winding, time, s):
+    """Forces of the cable on its attachment and, where it is driven, on what holds its lower end; else that is no force.
+
+    `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions.
+    """
+    n = mesh.shape[0] + 1
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
+    lowest = _lowest(parts.driven, n)
+    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
+    return Ends(load(s.x, n - 1, top), load(s.x, 0, top))
+
+
+@kernel
+def mean_forces(parts, problem, c, h, mesh, y0, yd0, y1, top, winding, time, s):
+    """The same in the step just taken, as its equations have them: at the averaged time, at which `top` is."""
     rates = (c.alpha_m / (1.0 - c.alpha_m), 1.0 / (1.0 - c.alpha_m), 1.0 / (c.gamma * h), (1.0 - c.gamma) / c.gamma)
     n = mesh.shape[0] + 1
-    lowest = max(n - 3, 0)
+    lowest = _lowest(parts.driven, n)
     average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, lowest)
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, lowest, s.bands, s.x, s.cells, s.contact)
-    return load(s.x, n - 1, top)
+    return Ends(load(s.x, n - 1, top), load(s.x, 0, top))
 
 
 @kernel
@@ -104,7 +114,7 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, 
     """Tension that reaches the lower end: what the body needs, or without one the first cell's less its lower share of weight."""
     n = mesh.shape[0] + 1
     q = load(y, 0, position)
-    t = scale(1.0 / norm(q), q)
+    t = unit(q)
     if present is None:
         h, split = mesh[0, 0], mesh[0, 1]
         weight = lower_weight(parts.surface, parts, problem.medium, problem.cable, h, split, q, position, time)

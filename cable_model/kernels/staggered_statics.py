@@ -12,7 +12,7 @@ from cable_model.kernels.problem import body_mass, body_weight, total_weight
 from cable_model.kernels.seabed import lay_out
 from cable_model.kernels.staggered_chain import unwound
 from cable_model.kernels.staggered_guess import refine, rest
-from cable_model.kernels.staggered_step import cut_scratch, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Ends, cut_scratch, keep_tensions, newton_step
 from cable_model.kernels.vector import load, norm, store, zero
 
 PLAIN_STEPS = 150  # pseudo-steps with the laws as they are, before they are eased
@@ -46,6 +46,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
     step = 0.03 * period
     backward = Coefficients(0.0, 0.0, 1.0)
+    still = Ends(zero(top), zero(top))
     goal = problem.numeric.bending
     stiff = _first_bending(parts.bending, weight, problem, n - 1)
     ease = 0.0
@@ -68,7 +69,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
         to_place = eased(problem, ease, BLUNT * ease + LEAST_BLUNT if easing else 0.0, weight, stiff, close)
         contraction[0] = 0.0  # steps differ too much to learn from one another
         status = newton_step(
-            parts, to_place, mesh[: nodes - 1], y[: 2 * nodes], yd[: 2 * nodes], yd[: 2 * nodes], backward, time, step, top, zero(top),
+            parts, to_place, mesh[: nodes - 1], y[: 2 * nodes], yd[: 2 * nodes], yd[: 2 * nodes], backward, time, step, top, still,
             unwound(problem), contraction, y1[: 2 * nodes], yd1[: 2 * nodes], force[: nodes - 1], force[: nodes - 1], 0.0, now,
         )  # fmt: skip
         if status < 0:

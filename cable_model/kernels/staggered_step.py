@@ -59,6 +59,13 @@ def with_tolerance(problem, tolerance, rounding):
     return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
+class Ends(NamedTuple):
+    """A vector at the top, and at a held lower end."""
+
+    top: object
+    lower: object
+
+
 class Winding(NamedTuple):
     """How the cable's length changes at the averaged time."""
 
@@ -117,15 +124,13 @@ def cut_scratch(work, n, like):
 
 
 @kernel
-def newton_step(
-    parts, problem, mesh, y0, yd0, ydd, c, time, h, top, top_velocity, winding, contraction, y1, yd1, force, force_old, reach, s
-):
+def newton_step(parts, problem, mesh, y0, yd0, ydd, c, time, h, top, ends, winding, contraction, y1, yd1, force, force_old, reach, s):
     """Advance (y0, yd0) by h into (y1, yd1); returns the iterations, or a negative status.
 
     `yd0` is already corrected for a changed step; with `ydd`, its rate of change, it predicts.  `time` and `top` are those at the
-    averaged time t_i - alpha_k h, `top_velocity` is the prescribed one at the new time.  `contraction` (1,) is that of
-    convergence.py.  The first guess of the tensions (n-1) leads from `force_old` over `force` on by `reach`, the ratio of the steps;
-    the new ones are left in s.cells[:, 0], with T_c of slack.py.
+    averaged time t_i - alpha_k h, `ends` are the prescribed velocities of the top and a held lower end at the new time.  `contraction`
+    (1,) is that of convergence.py.  The first guess of the tensions (n-1) leads from `force_old` over `force` on by `reach`, the ratio of
+    the steps; the new ones are left in s.cells[:, 0], with T_c of slack.py.
     """
     n = mesh.shape[0] + 1
     like = top
@@ -143,8 +148,8 @@ def newton_step(
     for i in range(n - 1):
         rate = axpy(ahead, load(ydd, n + i, like), load(yd0, n + i, like))
         store(y1, n + i, axpy(h, rate, load(y0, n + i, like)))
-    store(y1, 2 * n - 1, top_velocity)
-    _hold_anchor(parts.anchor, y1, n, like)
+    store(y1, 2 * n - 1, ends.top)
+    hold_anchor(parts.anchor, y1, n, ends.lower)
     for i in range(n - 1):
         s.cells[i, 0] = _ahead(parts.slack, force[i] + floor(parts, problem.numeric, mesh[i, 0]), reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
@@ -251,9 +256,9 @@ def _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top):
 
 
 @kernel
-def _hold_anchor(anchor, y1, n, like):
+def hold_anchor(anchor, y1, n, velocity):
     if anchor is not None:
-        store(y1, n, scale(0.0, like))
+        store(y1, n, velocity)
 
 
 @kernel

@@ -1,41 +1,65 @@
-"""The prescribed path of the top within one communication step: a quintic polynomial per axis, continuous to the acceleration.
+"""The prescribed path of the cable's ends within one communication step: a quintic polynomial per axis, continuous to the acceleration.
 
-`path` is (9, 4): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
-the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z and the length of cable that the
-winch has paid out, a parabola: its speed changes linearly.
+`path` is (9, 7): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
+the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z of the top, the length of cable that
+the winch has paid out, a parabola (its speed changes linearly), and x, y, z of a driven lower end.
 """
 
 import math
+from typing import NamedTuple
 
-from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, STEP, TOP, WINCH_ACCELERATION, WINCH_SPEED
+from cable_model.kernels.header import (
+    CLOSING,
+    INPUT_STEPS,
+    INPUTS,
+    LOWER,
+    PAID_OUT,
+    SHORTEST,
+    STEP,
+    TOP,
+    WINCH_ACCELERATION,
+    WINCH_SPEED,
+)
 from cable_model.kernels.jit import kernel
 
 WINCH = 3  # column of the path, and of the inputs that are kept
-ROWS = 9
-PATH = 4 * ROWS  # numbers of a path
+ROWS, COLUMNS = 9, 7
+PATH = ROWS * COLUMNS  # numbers of a path
 ARRIVAL = 6  # first row of where it ends
 KEPT = 4  # inputs, see header.INPUTS
+
+
+class End(NamedTuple):
+    """An end of the cable that is moved: where its numbers are."""
+
+    column: int  # x in the path, and in the inputs that are kept
+    given: int  # x in the inputs
+    motion: int  # position, velocity and acceleration now, in the state's head
+
+
+UPPER_END, LOWER_END = End(0, 0, TOP), End(4, 10, LOWER)
 NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
 
 
 @kernel
-def quintic(start, end, h, path):
-    """Path from `start` to `end`, (9,) each: position, velocity, acceleration at both ends of a step of h."""
+def quintic(start, end, h, path, column):
+    """Path from `start` to `end`, (9,) each: position, velocity, acceleration at both ends of a step of h; into three columns."""
     for k in range(3):
+        j = column + k
         p0 = start[k]
         v0 = start[3 + k] * h
         a0 = 0.5 * start[6 + k] * h * h
         gap = end[k] - p0 - v0 - a0
         gap_v = end[3 + k] * h - v0 - 2.0 * a0
         gap_a = end[6 + k] * h * h - 2.0 * a0
-        path[0, k] = p0
-        path[1, k] = v0
-        path[2, k] = a0
-        path[3, k] = 10.0 * gap - 4.0 * gap_v + 0.5 * gap_a
-        path[4, k] = -15.0 * gap + 7.0 * gap_v - gap_a
-        path[5, k] = 6.0 * gap - 3.0 * gap_v + 0.5 * gap_a
+        path[0, j] = p0
+        path[1, j] = v0
+        path[2, j] = a0
+        path[3, j] = 10.0 * gap - 4.0 * gap_v + 0.5 * gap_a
+        path[4, j] = -15.0 * gap + 7.0 * gap_v - gap_a
+        path[5, j] = 6.0 * gap - 3.0 * gap_v + 0.5 * gap_a
         for i in range(3):
-            path[ARRIVAL + i, k] = end[3 * i + k]
+            path[ARRIVAL + i, j] = end[3 * i + k]
 
 
 @kernel
@@ -56,6 +80,22 @@ def wind(paid_out, speed, end_speed, h, path):
 def wind_between(paid_out, speed, end_paid_out, h, path):
     """The same from the length paid out at both ends and the speed at the start."""
     wind(paid_out, speed, 2.0 * (end_paid_out - paid_out) / h - speed, h, path)
+
+
+@kernel
+def go_on(state, which, h, path):
+    """The path of an end over a step of h under the acceleration that it has."""
+    for k in range(3):
+        j, at = which.column + k, which.motion + k
+        position, velocity, acceleration = state[at], state[at + 3], state[at + 6]
+        path[0, j] = position
+        path[1, j] = h * velocity
+        path[2, j] = 0.5 * h * h * acceleration
+        for i in range(3, ARRIVAL):
+            path[i, j] = 0.0
+        path[ARRIVAL, j] = path[0, j] + path[1, j] + path[2, j]
+        path[ARRIVAL + 1, j] = velocity + h * acceleration
+        path[ARRIVAL + 2, j] = acceleration
 
 
 @kernel
@@ -80,21 +120,37 @@ def arrival(path, k):
 
 
 @kernel
-def leaves_plane(path, y, length):
-    """Whether the path departs from the vertical plane at y by more than rounding of a motion in a scene of that length."""
-    drift = abs(path[0, 1] - y)
+def leaves_plane(path, y, length, which):
+    """Whether an end departs from the vertical plane at y by more than rounding of a motion in a scene of that length."""
+    drift = abs(path[0, which.column + 1] - y)
     for i in range(1, 6):
-        drift += abs(path[i, 1])
+        drift += abs(path[i, which.column + 1])
     return drift > 1e-9 * (length + abs(y))
 
 
 @kernel
-def mean_speed(path, h):
-    """Distance between the ends of a path over the time h between them."""
+def lower_end_moves(path):
+    """Whether inputs place or move the lower end; a path that drives none has just what they are where it ends."""
+    for i in range(ARRIVAL, ROWS):
+        for k in range(LOWER_END.column, COLUMNS):
+            if path[i, k] != 0.0:
+                return True
+    return False
+
+
+@kernel
+def _mean_speed(path, column, h):
+    """Distance between where a path begins and where it ends over the time h between them."""
     square = 0.0
-    for k in range(3):
+    for k in range(column, column + 3):
         square += (path[1, k] + path[2, k] + path[3, k] + path[4, k] + path[5, k]) ** 2
     return math.sqrt(square) / h
+
+
+@kernel
+def fastest_end(path, h):
+    """The larger of both ends' mean speeds on a path."""
+    return max(_mean_speed(path, UPPER_END.column, h), _mean_speed(path, LOWER_END.column, h))
 
 
 @kernel
@@ -131,14 +187,14 @@ def _ages(state, newest):
 
 
 @kernel
-def _differences(state, inputs, first, newest, k):
+def _differences(state, inputs, which, first, newest, k):
     """Divided differences of order 0 to 3 of axis k over these inputs and up to three before them; 0 where there are too few."""
     h1, h2, h3 = _ages(state, newest)
-    row = INPUTS + KEPT * newest + k
-    f0 = inputs[first + k]
+    row = INPUTS + COLUMNS * newest + which.column + k
+    f0 = inputs[which.given + first + k]
     f1 = state[row]
-    f2 = state[row + KEPT]
-    f3 = state[row + 2 * KEPT]
+    f2 = state[row + COLUMNS]
+    f3 = state[row + 2 * COLUMNS]
     d1 = 0.0
     d2 = 0.0
     d3 = 0.0
@@ -153,12 +209,12 @@ def _differences(state, inputs, first, newest, k):
 
 
 @kernel
-def _smoothness(state, inputs, first, newest, low, factor, h):
+def _smoothness(state, inputs, which, first, newest, low, factor, h):
     """1 where the differences of a signal fall with their order, down to 0 at noise and jumps, which must not be extrapolated."""
     rough = 0.0
     plain = 0.0
     for k in range(3):
-        differences = _differences(state, inputs, first, newest, k)
+        differences = _differences(state, inputs, which, first, newest, k)
         plain += differences[low] ** 2
         rough += differences[low + 1] ** 2
     if rough == 0.0:
@@ -169,8 +225,8 @@ def _smoothness(state, inputs, first, newest, low, factor, h):
 
 
 @kernel
-def predict(order, state, inputs, newest, h, end):
-    """Where the top will be a time h after the inputs (9,), into `end` (9,); 0: where it is, what is not given from what is.
+def predict(order, state, inputs, which, newest, h, end):
+    """Where an end will be a time h after the inputs (19,), into `end` (9,); 0: where it is, what is not given from what is.
 
     order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  The highest that is given is extrapolated by
     the polynomial through its last values (Newton's divided differences; cubic for positions, parabola for velocities, line for
@@ -181,10 +237,10 @@ def predict(order, state, inputs, newest, h, end):
     b += a
     smooth = 1.0
     if h > 0.0:
-        smooth = _smoothness(state, inputs, first, newest, 2 - order, 3.0 - order, h)
+        smooth = _smoothness(state, inputs, which, first, newest, 2 - order, 3.0 - order, h)
     for k in range(3):
-        f, d1, d2, d3 = _differences(state, inputs, first, newest, k)
-        p = inputs[k]
+        f, d1, d2, d3 = _differences(state, inputs, which, first, newest, k)
+        p = inputs[which.given + k]
         if order == 0:
             d3 *= smooth
             end[k] = f + h * (d1 + (h + a) * (d2 + (h + b) * d3))
@@ -197,7 +253,7 @@ def predict(order, state, inputs, newest, h, end):
             end[6 + k] = d1 + (2.0 * h + a) * d2
         else:
             d1 *= smooth
-            v = inputs[3 + k]
+            v = inputs[which.given + 3 + k]
             end[k] = p + h * (v + 0.5 * h * (f + h / 3.0 * d1))
             end[3 + k] = v + h * (f + 0.5 * h * d1)
             end[6 + k] = f + h * d1
@@ -205,36 +261,71 @@ def predict(order, state, inputs, newest, h, end):
 
 @kernel
 def follow_inputs(order, p, state, inputs, h, end, path):
-    """The path over a step of h that inputs (10,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
+    """The path over a step of h that inputs (19,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
+    driven = p[0].lower_end.driven > 0.0
     if p[0].top.inputs_at > 0.0:
-        _arrive(order, state, inputs, h, end, path)
+        _arrive(driven, order, state, inputs, h, end, path)
     else:
-        _lead_on(order, state, inputs, h, end, path)
+        _lead_on(driven, order, state, inputs, h, end, path)
+    if not driven:
+        _drive_none(inputs[LOWER_END.given : LOWER_END.given + 9], path)
 
 
 @kernel
-def _arrive(order, state, inputs, h, end, path):
+def follow_ends(p, state, start, end, h, path):
+    """The path over a step of h from inputs (19,) at its start to those at its end."""
+    quintic(start[0:9], end[0:9], h, path, UPPER_END.column)
+    wind(state[PAID_OUT], start[9], end[9], h, path)
+    given = LOWER_END.given
+    if p[0].lower_end.driven > 0.0:
+        quintic(start[given : given + 9], end[given : given + 9], h, path, LOWER_END.column)
+    else:
+        _drive_none(end[given : given + 9], path)
+
+
+@kernel
+def _drive_none(asked, path):
+    """The columns of a lower end that nothing drives: `asked` (9,), what inputs say of it, where the path ends; see lower_end_moves."""
+    for k in range(3):
+        for i in range(ARRIVAL):
+            path[i, LOWER_END.column + k] = 0.0
+        for i in range(3):
+            path[ARRIVAL + i, LOWER_END.column + k] = asked[3 * i + k]
+
+
+@kernel
+def _go_to(which, order, state, inputs, newest, ahead, h, end, path):
+    """The path of an end over a step of h to where it will be `ahead` after the inputs."""
+    predict(order, state, inputs, which, newest, ahead, end)
+    quintic(state[which.motion : which.motion + 9], end, h, path, which.column)
+
+
+@kernel
+def _arrive(driven, order, state, inputs, h, end, path):
     """The path that ends exactly where the inputs are; those kept get older by the step."""
     state[INPUT_STEPS] += h
-    predict(order, state, inputs, _first_kept(state, _told_over(state, True, h)), 0.0, end)
-    quintic(state[TOP : TOP + 9], end, h, path)
+    newest = _first_kept(state, _told_over(state, True, h))
+    _go_to(UPPER_END, order, state, inputs, newest, 0.0, h, end, path)
+    if driven:
+        _go_to(LOWER_END, order, state, inputs, newest, 0.0, h, end, path)
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9], h, path)
 
 
 @kernel
-def _lead_on(order, state, inputs, h, end, path):
-    """The path to where the top will be after `horizon`, of which a shorter step goes a part.
+def _lead_on(driven, order, state, inputs, h, end, path):
+    """The path to where the ends will be after `horizon`, of which a shorter step goes a part.
 
     The winch's speed goes on to where the line through its last two inputs leads.
     """
     whole = horizon(state, h)
     newest = _first_kept(state, whole)
-    predict(order, state, inputs, newest, whole, end)
-    quintic(state[TOP : TOP + 9], end, whole, path)
+    _go_to(UPPER_END, order, state, inputs, newest, whole, whole, end, path)
+    if driven:
+        _go_to(LOWER_END, order, state, inputs, newest, whole, whole, end, path)
     age, _, _ = _ages(state, newest)
     ahead = 0.0
     if age > 0.0:
-        ahead = (inputs[9] - state[INPUTS + KEPT * newest + WINCH]) * whole / age
+        ahead = (inputs[9] - state[INPUTS + COLUMNS * newest + WINCH]) * whole / age
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, whole, path)
     if whole > h:
         _shorten(path, h / whole, h)
@@ -264,8 +355,8 @@ def remember(order, p, state, inputs, h):
         return
     for i in range(3, 0, -1):
         state[INPUT_STEPS + i] = state[INPUT_STEPS + i - 1]
-        for k in range(KEPT):
-            state[INPUTS + KEPT * i + k] = state[INPUTS + KEPT * (i - 1) + k]
+        for k in range(COLUMNS):
+            state[INPUTS + COLUMNS * i + k] = state[INPUTS + COLUMNS * (i - 1) + k]
     state[INPUT_STEPS] = since
     _keep_newest(order, state, inputs)
 
@@ -274,20 +365,21 @@ def remember(order, p, state, inputs, h):
 def _keep_newest(order, state, inputs):
     for k in range(3):
         state[INPUTS + k] = inputs[3 * order + k]
+        state[INPUTS + LOWER_END.column + k] = inputs[LOWER_END.given + 3 * order + k]
     state[INPUTS + WINCH] = inputs[9]
 
 
 @kernel
-def start_top(order, p, state, inputs):
-    """The top's motion at initialization, from the start values of the inputs."""
+def _start_end(which, order, state, inputs):
     for k in range(9):
-        state[TOP + k] = inputs[k]
-    if order < 2:
-        for k in range(3):
-            state[TOP + 6 + k] = 0.0
-    if order < 1:
-        for k in range(3):
-            state[TOP + 3 + k] = 0.0
+        state[which.motion + k] = inputs[which.given + k] if k < 3 * (order + 1) else 0.0
+
+
+@kernel
+def start_ends(order, p, state, inputs):
+    """The motion of both ends at initialization, from the start values of the inputs."""
+    _start_end(UPPER_END, order, state, inputs)
+    _start_end(LOWER_END, order, state, inputs)
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
     state[WINCH_ACCELERATION] = 0.0

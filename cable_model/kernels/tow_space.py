@@ -36,12 +36,12 @@ from cable_model.kernels.vector import (
     inverse,
     load,
     mix,
-    norm,
     outer,
     scale,
     scale_matrix,
     store,
     sub,
+    unit,
     zero,
 )
 
@@ -70,11 +70,6 @@ class Swing(NamedTuple):
 @kernel
 def cross(a, b):
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-@kernel
-def unit(a):
-    return scale(1.0 / norm(a), a)
 
 
 @kernel

@@ -7,11 +7,11 @@ from cable_model.kernels.header import NO_EQUILIBRIUM, OK
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import STRETCH
-from cable_model.kernels.tow_space import DIRECTION, Swing, across_only, frame_of, swing_of, top_of, unit
+from cable_model.kernels.tow_space import DIRECTION, Swing, across_only, frame_of, swing_of, top_of
 from cable_model.kernels.tow_surface import lost_buoyancy
 from cable_model.kernels.tow_trial import next_stretch, no_trial
 from cable_model.kernels.tow_water_space import body_water_in_space, cable_water_in_space
-from cable_model.kernels.vector import add, dot, mix, norm, store, zero
+from cable_model.kernels.vector import add, dot, mix, norm, store, unit, zero
 
 STATIC_ITERATIONS = 300
 FARTHEST = 0.2  # rad, turn of the cable in a step

@@ -15,6 +15,7 @@ from cable_model.kernels.header import (
     NEWTON,
     NEXT_STEP,
     NO_WINCH,
+    NOT_DRIVEN,
     NOT_FINITE,
     OK,
     OUT_OF_PLANE,
@@ -29,7 +30,17 @@ from cable_model.kernels.header import (
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.pending import is_short, wait
-from cable_model.kernels.top import PATH, ROWS, arrival, leaves_plane, quintic, winch_turns
+from cable_model.kernels.top import (
+    COLUMNS,
+    PATH,
+    ROWS,
+    UPPER_END,
+    arrival,
+    leaves_plane,
+    lower_end_moves,
+    quintic,
+    winch_turns,
+)
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
@@ -195,8 +206,10 @@ def check_path(space, path, h, c, state):
         return NOT_FINITE
     if winch_turns(path):
         return NO_WINCH
+    if lower_end_moves(path):
+        return NOT_DRIVEN
     if space is None:
-        if leaves_plane(path, state[PLANE], c.reference_length):
+        if leaves_plane(path, state[PLANE], c.reference_length, UPPER_END):
             return OUT_OF_PLANE
     return OK
 
@@ -217,7 +230,7 @@ def join(path, h, state, end, whole):
     """The path with the pending time before it as one quintic: that time is too short for a quintic to lose anything over it."""
     for k in range(3):
         end[k], end[3 + k], end[6 + k] = arrival(path, k)
-    quintic(state[KEPT_TOP : KEPT_TOP + 9], end, state[PENDING] + h, whole)
+    quintic(state[KEPT_TOP : KEPT_TOP + 9], end, state[PENDING] + h, whole, UPPER_END.column)
 
 
 @kernel
@@ -250,7 +263,7 @@ def advance(parts, p, time, h, path, state, work):
     fixed = not tolerance > 0.0
     pieces = max(1, math.ceil(h / p[0].solver.time_step * (1.0 - 1e-12))) if fixed else 1
     if state[PENDING] > 0.0:
-        whole = work[JOINED : JOINED + PATH].reshape(ROWS, 4)
+        whole = work[JOINED : JOINED + PATH].reshape(ROWS, COLUMNS)
         join(path, h, state, work[JOINED + PATH : JOINED + PATH + 9], whole)
         path = whole
     waited = state[PENDING]

@@ -106,6 +106,11 @@ def norm(a):
 
 
 @kernel
+def unit(a):
+    return scale(1.0 / norm(a), a)
+
+
+@kernel
 def load_matrix(bands, j, i, like):
     """Block i of band j of a (., n, D*D) array as a D x D matrix; D is that of the vector `like`."""
     if len(like) == 2:

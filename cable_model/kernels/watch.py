@@ -11,7 +11,7 @@ from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, PENDING, STEP, STEP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
 from cable_model.kernels.top import horizon
-from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub
+from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
@@ -73,7 +73,7 @@ def _apart(inputs, last, first, h, share):
 
 @kernel
 def watch_start(state, inputs):
-    """Begin with the inputs (10,) of the initialization, after it."""
+    """Begin with the inputs (19,) of the initialization, after it."""
     for k in range(DOUBTS, AUDIT):
         state[k] = 0.0
     for k in range(9):
@@ -82,7 +82,7 @@ def watch_start(state, inputs):
 
 @kernel
 def watch_inputs(order, p, state, inputs, step):
-    """Compare the inputs (10,) of a step with the last ones: top.motion_order `order` says which of them are given."""
+    """Compare the inputs (19,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     length = p[0].cable.length
     last = state[LAST : LAST + 9]
     h = step if p[0].top.inputs_at > 0.0 else state[SPAN]
@@ -275,8 +275,7 @@ def _sag(parts, p, state, outputs):
     middle = mix(0.5, top, 0.5, low)
     if parts.surface is not None and middle[2] > 0.0:
         return 0.0
-    t = sub(top, low)
-    t = scale(1.0 / norm(t), t)
+    t = unit(sub(top, low))
     flow, _ = current_velocity(parts.current, middle)
     u = sub(flow, mix(0.5, (state[TOP + 3], state[TOP + 4], state[TOP + 5]), 0.5, (outputs[8], outputs[9], outputs[10])))
     across = axpy(-dot(u, t), t, u)

@@ -14,7 +14,7 @@ from cable_model.effects import COST_CASES
 from cable_model.machine import machine
 from cable_model.model import Model
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene, from_dict, with_values
 
 BARE = {
@@ -49,7 +49,7 @@ def scene_of(changes: dict[str, object]) -> Scene:
 
 
 def _seconds(model: Model, scene: Scene) -> float:
-    motion = top_motion(scene.top)
+    motion = motion_of(scene)
     model.initialize(motion(0.0))
     outputs = output_steps(scene.run.duration, scene.run.output_step)
     moments = [piece for output in outputs for piece in pieces(motion, output, scene.solver.time_step)]

@@ -12,7 +12,7 @@ import numpy as np
 from cable_model.driving import output_steps, pieces
 from cable_model.errors import ParameterError, SolverError
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene, with_values
 
 SIGNALS = ("tension", "position")  # of the top, of the lower end
@@ -76,7 +76,7 @@ def timed(scene: Scene, setting: Setting | None = None, repetitions: int = 1, lo
         model = MODELS[model_name](scene)
     except ParameterError as refused:
         return Timed(np.zeros(0), np.zeros(0), np.zeros((0, 3)), 0.0, str(refused))
-    motion = top_motion(scene.top, scene.winch)
+    motion = motion_of(scene)
     outputs = output_steps(scene.run.duration, scene.run.output_step)
     tops = [list(pieces(motion, output, scene.solver.time_step)) for output in outputs]
     start = tops[0][0].first

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene
 from cable_model.simulated import lacking, parts_of
 from cable_model.studies.settings import TOW, allowed, straight
@@ -42,7 +42,7 @@ def forcing(scene: Scene, axes: str = "xyz") -> list[float]:
 
 def _sampled(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Velocities and accelerations of the top, (SAMPLES, 3)."""
-    motion = top_motion(scene.top, scene.winch)
+    motion = motion_of(scene)
     rows = np.array([motion(t) for t in np.linspace(0.0, scene.run.duration, SAMPLES)])
     return rows[:, 3:6], rows[:, 6:9]
 

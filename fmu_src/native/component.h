@@ -169,9 +169,12 @@ static void fill_tables(Instance *m)
     memcpy(m->wave, wave, sizeof wave);
 }
 
-static int64_t run(Instance *m, int what, double time, double step, const double *inputs, double *outputs)
+static int64_t run(Instance *m, int what, double time, double step, double *outputs)
 {
     int64_t status = OK;
+    double inputs[N_INPUTS];
+    for (int k = 0; k < N_INPUTS; k++)
+        inputs[k] = m->core.values[inputs_at[k]];
     void *error = NULL;
     int levels = N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0;
     int64_t n_waves = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
@@ -216,7 +219,7 @@ static fmi2Status prepare(Instance *m)
             m->numbers[k] = m->core.values[from.below_zero];
     }
     fill_tables(m);
-    run(m, SIZES, 0.0, 0.0, m->core.values, sizes);
+    run(m, SIZES, 0.0, 0.0, sizes);
     give_back(m, m->state);
     m->n_state = (int64_t)sizes[0];
     m->n_work = (int64_t)sizes[1];
@@ -232,17 +235,15 @@ static fmi2Status report(const Instance *m, int64_t status, double now, double s
     double time = fmax(m->state[ERROR_TIME], now), node = m->state[ERROR_NODE], size = m->state[ERROR_SIZE];
     (void)node;
     if (status == TOO_FAST)
-        return fail(m, "speed of the top = %.10g m/s: must be %s", speed, TOO_FAST_TEXT);
+        return fail(m, "speed of the top or lower end = %.10g m/s: must be %s", speed, TOO_FAST_TEXT);
     return fail(m, status > OK && status <= LAST_STATUS ? failures[status] : "%.6g s: unknown failure", FAILURE_ARGUMENTS);
 }
 
-static double at_start(const Instance *m, const double *inputs, int vr) { return vr < N_INPUTS ? inputs[vr] : m->core.values[vr]; }
-
-static fmi2Status check_start(const Instance *m, const double *inputs)
+static fmi2Status check_start(const Instance *m)
 {
     for (size_t k = 0; k < sizeof start_rules / sizeof *start_rules; k++) {
         const StartRule *r = &start_rules[k];
-        double value = at_start(m, inputs, r->variable), other = at_start(m, inputs, r->other);
+        double value = m->core.values[r->variable], other = m->core.values[r->other];
         double slack = r->slack < 0 ? 0.0 : r->times * m->core.values[r->slack];
         char text[200];
         if (holds(&m->core, &r->when) && (r->equal ? value != other : value < other - slack))
@@ -254,11 +255,10 @@ static fmi2Status check_start(const Instance *m, const double *inputs)
 static fmi2Status initialize(Instance *m)
 {
     double outputs[N_OUTPUTS];
-    const double *inputs = m->core.values;
     m->core.initialized = 0.0;
-    if (prepare(m) != fmi2OK || check_start(m, inputs) != fmi2OK)
+    if (prepare(m) != fmi2OK || check_start(m) != fmi2OK)
         return fmi2Error;
-    int64_t status = run(m, START, m->core.start_time, 0.0, inputs, outputs);
+    int64_t status = run(m, START, m->core.start_time, 0.0, outputs);
     if (status != OK)
         return report(m, status, m->core.start_time, 0.0);
     keep_outputs(m, outputs);

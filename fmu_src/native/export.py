@@ -22,6 +22,7 @@ from typing import Any
 from fmu_src.entries import (
     ABSENT,
     ADVANCE,
+    COLUMNS,
     EITHER,
     END,
     EXTERNAL,
@@ -188,21 +189,20 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         if what == POSITIONS:
             node_positions(parts, numbers, state, work[WORK:], carray(out, (order, 3)))
             return ok
-        path = work[PATH:END].reshape((ROWS, 4))
+        path = work[PATH:END].reshape((ROWS, COLUMNS))
         end = work[END:WORK]
         room = work[n_w - host.room_size(numbers, n_y, n_outputs) :]
         in_space = parts.space is not None
         tries = what == STEP and room.shape[0] > 0
         if what == START:
-            top.start_top(order, numbers, state, inputs)
+            top.start_ends(order, numbers, state, inputs)
         elif what == STEP:
             ringing.watch_ringing(numbers, state, inputs)
             instants.watch_instants(numbers, state)
             watch.watch_inputs(order, numbers, state, inputs, step)
             top.follow_inputs(order, numbers, state, inputs, step, end, path)
         elif what == ADVANCE:
-            top.quintic(inputs, end, step, path)
-            top.wind(state[header.PAID_OUT], inputs[9], end[9], step, path)
+            top.follow_ends(numbers, state, inputs, end, step, path)
         if tries:
             host_trials.begin_trials(in_space, numbers, time, step, state, outputs, inputs, room, path)
         status = again
@@ -214,7 +214,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif what != OUTPUTS:
-                outputs[0] = top.mean_speed(path, step)
+                outputs[0] = top.fastest_end(path, step)
                 status = TOO_FAST
                 if outputs[0] <= FASTEST_TOP:
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
@@ -223,7 +223,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 if what == START:
                     exchange.start_exchange(state, outputs)
                 elif what != OUTPUTS:
-                    exchange.end_exchange(state, step, outputs)
+                    exchange.end_exchange(numbers, state, step, outputs)
             if tries:
                 status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
         if status == ok and what == STEP:

@@ -168,7 +168,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean 
         return fail(m, "communication step = %.10g s: must be %s", unsigned_nan(step), STEP_TEXT);
     if (check_time(m, now, step) != fmi2OK)
         return fmi2Error;
-    int64_t status = run(m, STEP, now, step, m->core.values, outputs);
+    int64_t status = run(m, STEP, now, step, outputs);
     if (status != OK) {
         m->core.phase = status == TOO_FAST ? RUNNING : FAILED;
         return report(m, status, now, outputs[0]);

@@ -180,6 +180,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         f"typedef __typeof__({symbols[0]}) Kernel;\n",
         f"static Kernel *const kernels[] = {{{', '.join(symbols)}}};\n",
         _array("Variable", "variables", (_variable(row, rules, vr) for vr, row in enumerate(rows))),
+        _array("int", "inputs_at", (str(place[name]) for name in INPUTS)),
         _array("int", "outputs_at", (str(place[name]) for name in OUTPUTS)),
         _array("Number", "numbers_from", (f"{{{vr}, {instead}}}" for vr, instead in rules.numbers())),
         _array("Refusal", "refusals", (f"{{{_condition(r.literals)}, {r.variable}, {_text(r.text)}}}" for r in rules.refusals())),

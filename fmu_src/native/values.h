@@ -119,12 +119,14 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
     return fmi2OK;
 }
 
-/* The input that is the derivative of another one's, as a velocity of a position; none: N_INPUTS.  The first nine inputs are the top's
-   position, velocity and acceleration. */
-static fmi2ValueReference derivative_of(const Instance *m, fmi2ValueReference vr, fmi2Integer order)
+/* The input that is the derivative of another one's, as a velocity of a position; none: N_VARIABLES.  Inputs are position, velocity and
+   acceleration of the top, the winch's speed, and the same nine of the lower end. */
+static int derivative_of(const Instance *m, fmi2ValueReference vr, fmi2Integer order)
 {
-    fmi2ValueReference level = vr / 3 + (fmi2ValueReference)order;
-    return vr < 9 && level <= (fmi2ValueReference)m->core.values[MOTION_ORDER] ? vr + 3 * (fmi2ValueReference)order : N_INPUTS;
+    for (int k = 0; k < N_INPUTS; k++)
+        if (inputs_at[k] == (int)vr && k % 10 < 9)
+            return k % 10 / 3 + order <= (int)m->core.values[MOTION_ORDER] ? inputs_at[k + 3 * order] : N_VARIABLES;
+    return N_VARIABLES;
 }
 
 /* Derivatives of inputs are inputs themselves.  One that nothing follows is said once, as a warning: hosts give those of all inputs. */
@@ -145,8 +147,8 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                         variables[vr[k]].name, order[k]);
     }
     for (size_t k = 0; k < n; k++) {
-        fmi2ValueReference to = order[k] <= 2 ? derivative_of(m, vr[k], order[k]) : N_INPUTS;
-        if (to < N_INPUTS) {
+        int to = order[k] <= 2 ? derivative_of(m, vr[k], order[k]) : N_VARIABLES;
+        if (to < N_VARIABLES) {
             m->core.values[to] = value[k];
             continue;
         }

@@ -7,7 +7,7 @@ from chain_support import drive
 from cable_model import scene
 from cable_model.cable_chain import CableChain
 from cable_model.lab.hard.basin import maxima
-from cable_model.motion import top_motion
+from cable_model.motion import PrescribedMotion
 from cable_model.parameters import Motion, Top
 from cable_model.simulation import simulate
 
@@ -28,7 +28,7 @@ def mean_cycle_maximum(radius: float, period: float, steps: int, **changes: obje
     base = scene.load("basin_chain")
     table = {name.replace("__", "."): value for name, value in changes.items()} | {"solver.time_step": period / steps}
     model = CableChain(scene.with_values(base, table))
-    series = drive(model, period / steps * np.arange(CYCLES * steps + 1), top_motion(circle(radius, period)))
+    series = drive(model, period / steps * np.arange(CYCLES * steps + 1), PrescribedMotion(circle(radius, period)))
     tops = series["top.tension"][1:].reshape(CYCLES, steps).max(axis=1)
     return tops[-LAST:].mean(), series
 

@@ -11,7 +11,7 @@ from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.kernels import header, layout
-from cable_model.motion import TopMotion, top_motion
+from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
 
@@ -67,7 +67,7 @@ class Record:
 class _Watch:
     """Reads a staggered chain after every step; the box grid has another state, of which the outputs alone are kept."""
 
-    def __init__(self, model: CableChain, motion: TopMotion) -> None:
+    def __init__(self, model: CableChain, motion: PrescribedMotion) -> None:
         self.model, self.motion = model, motion
         self.now = layout.cut(model.parts, model.numbers, model.state, model._work) if model.parts.box is None else None
         self.drift: list[float] = []
@@ -109,7 +109,7 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     """
     step = scene.solver.time_step if step is None else step
     duration = scene.run.duration if duration is None else duration
-    motion = top_motion(scene.top, scene.winch)
+    motion = motion_of(scene)
     audited = watch and scene.solver.grid == "staggered"
     model = CableChain(with_values(scene, {"solver.audit": audited}))
     watcher = _Watch(model, motion)

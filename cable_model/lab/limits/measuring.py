@@ -19,7 +19,7 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 
 NODES = (101, 401)  # the difference of the two is timed: what a call costs drops out
 GROWTH = (101, 301, 1001, 3001)
@@ -123,7 +123,7 @@ def _stepper(case: str, nodes: int) -> Callable[[], int]:
     """One Newton step of one iteration, of a chain in motion, again and again from the same state."""
     scene = scene_of({**CASES[case], "solver.nodes": nodes})
     model: Any = MODELS["chain"](scene)
-    motion, step = top_motion(scene.top), scene.run.output_step
+    motion, step = motion_of(scene), scene.run.output_step
     model.initialize(motion(0.0))
     for k in range(5):
         model.advance(k * step, step, motion(k * step), motion((k + 1) * step))
@@ -158,7 +158,7 @@ def growth(nodes: tuple[int, ...] = GROWTH, duration: float = 1.0) -> list[tuple
     seconds: dict[int, list[float]] = {n: [] for n in nodes}
     for _ in range(5):
         for n, model in models.items():
-            motion, step = top_motion(model.scene.top), model.scene.run.output_step
+            motion, step = motion_of(model.scene), model.scene.run.output_step
             tops = [(motion(k * step), motion((k + 1) * step)) for k in range(math.floor(duration / step + 0.5))]
             model.initialize(tops[0][0])
             begun = clock.process_time()

@@ -16,7 +16,7 @@ import numpy as np
 from cable_model.effects import CHAIN, EFFECTS
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.parameters import Cable
 from cable_model.scene import Scene
 from cable_model.simulated import is_on, parts_of
@@ -44,7 +44,7 @@ def let_go(scene: Scene) -> bool:
 def _held_aside(scene: Scene) -> np.ndarray:
     """Where our chain holds the lower end before it is let go."""
     model = MODELS["chain"](scene)
-    model.initialize(top_motion(scene.top)(0.0, 1))
+    model.initialize(motion_of(scene)(0.0, 1))
     return model.positions()[0]
 
 
@@ -59,7 +59,7 @@ def text(scene: Scene, segments: int, options: Sequence[str]) -> str:
     density = scene.water.density if scene.water is not None else THIN
     on_seabed = parts_of(scene, "chain").seabed is not None
     depth = -scene.seabed.level if on_seabed else 10.0 * cable.length + 100.0
-    top = top_motion(scene.top)(0.0, 1)[:3]
+    top = motion_of(scene)(0.0, 1)[:3]
     diameter = displaced_diameter(cable)
     wider = cable.diameter / diameter if cable.diameter > 0.0 else 1.0
     wet = (cable.mass_per_length - density * 0.25 * np.pi * diameter**2) * cable.length
@@ -119,7 +119,7 @@ def drive(
     """
     every = scene.run.output_step
     count = round(scene.run.duration / every)
-    motion = top_motion(scene.top)
+    motion = motion_of(scene)
     h = every / calls
     tension, place = np.zeros(count + 1), np.zeros((count + 1, 3))
     at = motion(0.0, 1)[:9]

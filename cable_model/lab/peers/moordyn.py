@@ -6,7 +6,7 @@ import numpy as np
 
 from cable_model.errors import ParameterError
 from cable_model.lab.peers import deck
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene
 from cable_model.simulated import parts_of
 from cable_model.studies.timed import Timed
@@ -42,7 +42,7 @@ def run(scene: Scene, segments: int, step: float, calls: int) -> Timed:
     relaxation = min(LONGEST_RELAXATION, 2.0 * scene.run.duration)
     options = ("0 writeLog", f"{step} dtM", "RK4 tScheme", *_seabed(scene), f"{relaxation} TmaxIC", "0.1 dtIC", "10 CdScaleIC",
                "1e-6 threshIC")  # fmt: skip
-    start = top_motion(scene.top)(0.0, 1)
+    start = motion_of(scene)(0.0, 1)
     with deck.written(deck.text(scene, segments, options)) as path:
         system = moordyn.Create(str(path))
         try:

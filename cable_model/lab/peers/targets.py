@@ -18,7 +18,7 @@ from cable_model.lab.peers import moordyn
 from cable_model.lab.published import sphere
 from cable_model.lab.published.modes import beam_series, displaced_tip
 from cable_model.machine import machine
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene, load, with_values
 from cable_model.studies.reference import converge
 from cable_model.studies.timed import Timed, timed
@@ -111,7 +111,7 @@ def _relative(found: np.ndarray, expected: np.ndarray) -> float:
 
 def shift_error(scene: Scene, run: Timed) -> float:
     """Relative rms error of the shifted free chain's tip, against its modal series."""
-    motion = top_motion(scene.top)
+    motion = motion_of(scene)
     tip = run.position[:, 0] + np.array([motion(t, 1)[0] for t in run.times])
     return _relative(tip, SHIFT * displaced_tip(run.times, SHIFT_TIME))
 

@@ -9,7 +9,7 @@ import numpy as np
 from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import Scene
 from cable_model.signals import OUTPUTS
 from cable_model.studies.timed import Timed
@@ -19,7 +19,7 @@ STEPS = OUTPUTS.index("solver.steps")
 
 def run(scene: Scene, most_steps: float = math.inf) -> tuple[Timed, np.ndarray]:
     """Series at every output step, and the last outputs; its `error` says why it ended early, if it did."""
-    model, motion = CableChain(scene), top_motion(scene.top, scene.winch)
+    model, motion = CableChain(scene), motion_of(scene)
     outputs = output_steps(scene.run.duration, scene.run.output_step)
     times = np.array([0.0, *(output.end for output in outputs)])
     rows = np.zeros((len(times), len(OUTPUTS)))
