@@ -66,7 +66,7 @@ EFFECTS = (
     ),
     Effect(
         "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,),
-        grids=(STAGGERED,), numbers=("lower_end.driven",),
+        grids=(STAGGERED,), asked=Given("lower_end.driven"), numbers=("lower_end.driven",),
         costs={"lower end moved by inputs": {"lower_end.anchored": True, "lower_end.driven": True, "lower.position": [0.0, 0.0, -1.6]}},
     ),
     Effect(

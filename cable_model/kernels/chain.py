@@ -28,7 +28,7 @@ from cable_model.kernels.layout import axes, cut, state_size, vector_at, work_si
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
 from cable_model.kernels.staggered_step import Ends, Winding, with_tolerance
-from cable_model.kernels.top import LOWER_END, UPPER_END, WINCH, arrival, leaves_plane, lower_end_moves, winch_turns
+from cable_model.kernels.top import LOWER_END, UPPER_END, WINCH, arrival, leaves_plane, lower_end_moves, lower_end_told, winch_turns
 from cable_model.kernels.vector import axpy, sub
 from cable_model.kernels.watch import open_bottom
 
@@ -87,9 +87,9 @@ def settle(parts, p, time, state, work):
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
-    refused = _lower_end_refused(parts.driven, state)
-    if refused != header.OK:
-        return refused
+    if parts.driven is None and lower_end_told(state):
+        state[header.ERROR_TIME] = time
+        return header.NOT_DRIVEN
     top = vector_at(parts, state, header.TOP)
     held = _held_place(parts.driven, parts.anchor, parts, p, state)
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)
@@ -335,16 +335,6 @@ def _winch_refused(winch, path, length):
         return header.NO_WINCH if winch_turns(path) else header.OK
     paid_out, _, _ = arrival(path, WINCH)
     return header.OK if length + paid_out > LEAST_LENGTH * length else header.HAULED_IN
-
-
-@kernel
-def _lower_end_refused(driven, state):
-    """Whether the start values of inputs place or move a lower end that nothing drives."""
-    if driven is None:
-        for k in range(header.LOWER, header.KEPT_LOWER):
-            if state[k] != 0.0:
-                return header.NOT_DRIVEN
-    return header.OK
 
 
 @kernel

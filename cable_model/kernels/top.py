@@ -120,6 +120,15 @@ def arrival(path, k):
 
 
 @kernel
+def lower_end_told(state):
+    """Whether the start values of inputs place or move the lower end."""
+    for k in range(LOWER_END.motion, LOWER_END.motion + 9):
+        if state[k] != 0.0:
+            return True
+    return False
+
+
+@kernel
 def leaves_plane(path, y, length, which):
     """Whether an end departs from the vertical plane at y by more than rounding of a motion in a scene of that length."""
     drift = abs(path[0, which.column + 1] - y)
@@ -371,6 +380,7 @@ def _keep_newest(order, state, inputs):
 
 @kernel
 def _start_end(which, order, state, inputs):
+    """What motion_order does not connect is 0."""
     for k in range(9):
         state[which.motion + k] = inputs[which.given + k] if k < 3 * (order + 1) else 0.0
 
@@ -379,7 +389,7 @@ def _start_end(which, order, state, inputs):
 def start_ends(order, p, state, inputs):
     """The motion of both ends at initialization, from the start values of the inputs."""
     _start_end(UPPER_END, order, state, inputs)
-    _start_end(LOWER_END, order, state, inputs)
+    _start_end(LOWER_END, order if p[0].lower_end.driven > 0.0 else 2, state, inputs)
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
     state[WINCH_ACCELERATION] = 0.0
