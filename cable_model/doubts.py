@@ -110,7 +110,7 @@ SEEN = (
     "Give the cable some weight, or a current.",
     "motion led on from input to input = %.3g N of kicks, beside %.3g N of its own inertia: the cable rings. "
     "Give inputs of the end of each step with top.inputs_at = 1, accelerations too with top.motion_order = 2, or shorter steps.",
-    "internal step = %.3g s under a motion of the top of %.3g s: fewer than twenty steps a period leave its phase and tension wrong. "
+    "internal step = %.3g s under a motion of %.3g s: fewer than twenty steps a period leave its phase and tension wrong. "
     "Set solver.time_step to a twentieth of it, or solver.tolerance.",
     "motion across the cable = felt down to %.3g m of %.4g m: the cable bends, and the lower end of a straight one moves too far. "
     "Check against CableChain; the tension is better than the place.",
@@ -119,7 +119,7 @@ SEEN = (
     "wave = %.3g m high, %.4g m long: beyond 0.142 of its length a wave breaks. Check amplitude and period of the waves.",
     "ringing of the force = %.2g of its size, fed by the exchange with the host at %.3g 1/s: force and motion are exchanged too seldom for "
     "the host's mass, and what comes out is wrong. Give shorter communication steps, a heavier host, or one that repeats its steps.",
-    "top starts at %.3g m/s along a cable that is still at rest: a blow of some %.3g N. "
+    "an end starts at %.3g m/s along a cable that is still at rest: a blow of some %.3g N. "
     "Give a motion that fades in, or begins at the turn of a swing.",
     "drag and weight across the cable = a sag of %.3g m in %.4g m: a straight cable takes its force and its lower end elsewhere. "
     "Check against CableChain, or use it.",
@@ -129,6 +129,12 @@ SEEN = (
     "Set solver.time_step to a twentieth of it, or solver.tolerance.",
     "force at the end of a communication step = %.3g N off what the mean forces about it say, which differ by %.3g N from step to step: it "
     "swings within a step, and tells little. Set top.inputs_at = 1, take top.force_mean, or give shorter steps.",
+    "lower end = %.3g m from where its inputs led, in a step of %.3g s: it jumps, and the cable feels a blow. "
+    "Give start values of the inputs that go with the first step, and a motion without jumps.",
+    "way of the lower end = %.3g m, of which its velocities miss %.3g m: what is led on between the steps is wrong. "
+    "Give lower.vx, lower.vy and lower.vz of the same motion, or set top.motion_order = 0.",
+    "velocity of the lower end changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
+    "Give lower.ax, lower.ay and lower.az of the same motion, or set top.motion_order = 1.",
 )
 
 

@@ -80,7 +80,7 @@ def test_a_motion_that_fades_in_over_a_few_steps_goes_with_its_rates(order: int,
 def test_an_internal_step_too_long_for_the_motion_is_told():
     scene, inputs = heaving(0.2, {"solver.time_step": 0.5, "top.inputs_at": 1})
     (text,) = told(scene, inputs, 0.5, 40)
-    assert text.startswith("internal step = 0.5 s under a motion of the top of ")
+    assert text.startswith("internal step = 0.5 s under a motion of ")
     assert not told(with_values(scene, {"solver.tolerance": 1e-3}), inputs, 0.5, 40)
     assert not told(with_values(scene, {"solver.time_step": 0.2}), inputs, 0.2, 100)
 
@@ -145,7 +145,7 @@ def test_a_start_with_speed_along_a_cable_at_rest_is_told():
     """1 m/s: a mass of 150 kg on a spring of 10 kN/m gives sqrt(k m) v = 1.2 kN, over 1.5 kN of weight."""
     scene, inputs = heaving(1.0 / OMEGA)
     (text,) = all_told(scene, inputs, steps=1, kind=CableChain)
-    assert text.startswith("top starts at 1 m/s along a cable that is still at rest: a blow of some 1.22e+03 N. ")
+    assert text.startswith("an end starts at 1 m/s along a cable that is still at rest: a blow of some 1.22e+03 N. ")
     assert not all_told(scene, lambda time: inputs(time + 1.25), steps=1, kind=CableChain)
     assert not all_told(*heaving(0.1 / OMEGA), steps=1, kind=CableChain)
     assert not all_told(scene, lambda time: np.array([time, 0.0, 0.0, 1.0, *[0.0] * 6]), steps=1, kind=CableChain)  # across it

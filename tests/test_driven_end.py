@@ -272,6 +272,47 @@ def test_slivers_change_nothing_and_a_restored_state_goes_on_bit_for_bit():
     assert np.abs(broken.outputs[LOW] - steady[-1]).max() < 0.01 * np.ptp(np.array(steady), axis=0).max()
 
 
+def warned(motion, **changes):
+    model = make(LINE, **changes)
+    model.initialize(motion(0.0))
+    for k in range(100):
+        model.step(0.1 * k, 0.1, motion(0.1 * k))
+    return model.warnings()
+
+
+def test_what_is_doubtful_about_its_motion_is_told():
+    swaying = inputs(still((0.0, 0.0, 0.0)), lambda t: along(FAR, (0.7, 0.0, 0.4), 0.5, t))
+
+    def changed(change):
+        def motion(t):
+            given = swaying(t)
+            change(t, given[10:])
+            return given
+
+        return motion
+
+    def jump(t, low):
+        low[2] -= 2.0 if t > 5.0 else 0.0
+
+    def stop(t, low):
+        low[3:] = 0.0
+
+    assert not [text for text in warned(swaying) if "lower end" in text]
+    assert any(text.startswith("lower end = ") and "it jumps" in text for text in warned(changed(jump)))
+    assert any(text.startswith("way of the lower end = ") for text in warned(changed(stop)))
+    assert any(
+        text.startswith("velocity of the lower end changed")
+        for text in warned(changed(lambda t, low: low[6:].fill(0.0)), top__motion_order=2)
+    )
+
+    def at_once(t):
+        low = np.array([*FAR, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        low[0] += 3.0 * t
+        return np.concatenate([np.zeros(10), low])
+
+    assert any(text.startswith("an end starts at ") for text in warned(at_once, cable__length=100.5))
+
+
 def test_a_scene_moves_both_ends():
     scene = from_dict(
         {**LINE, "lower": {"position": [*FAR], "motion": [{"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "angular_frequency": 1.0, "ramp_time": 5.0}]},

@@ -79,7 +79,10 @@ def outputs(parts, p, state, work, out):
     _tell_lower_end(parts.driven, parts, force.lower, t.lower, out)
     tell_exchange(state, out)
     watch_outputs(parts, p, state, out)
-    watch_set_off(parts, p, state, dot(vector_at(parts, state, header.TOP + 3), t.top), out)
+    along = dot(vector_at(parts, state, header.TOP + 3), t.top)
+    if parts.driven is not None:
+        along -= dot(vector_at(parts, state, header.LOWER + 3), t.lower)
+    watch_set_off(parts, p, state, along, out)
 
 
 @kernel

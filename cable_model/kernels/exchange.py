@@ -8,7 +8,7 @@ communication steps is then the impulse so far, but for what is still owed.
 The numbers of a driven lower end lie LOWER_END after those of the top; `end` in what follows is 0 or LOWER_END.
 """
 
-from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, HEADER, LOWER_EXCHANGE, PENDING, STEP, STEPS
+from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, LOWER_EXCHANGE, LOWER_WATCH, PENDING, STEP, STEPS
 from cable_model.kernels.jit import kernel
 
 IMPULSE = EXCHANGE  # of the force over the communication step, from its own internal steps, N s; three numbers, as all that follow
@@ -61,7 +61,7 @@ def start_exchange(state, outputs):
     """Begin with the outputs of the initialization."""
     for k in range(EXCHANGE, DOUBTS):
         state[k] = 0.0
-    for k in range(LOWER_EXCHANGE, HEADER):
+    for k in range(LOWER_EXCHANGE, LOWER_WATCH):
         state[k] = 0.0
     for k in range(3):
         state[MEAN + k] = outputs[k]

@@ -122,10 +122,10 @@ def arrival(path, k):
 @kernel
 def lower_end_told(state):
     """Whether the start values of inputs place or move the lower end."""
+    largest = 0.0
     for k in range(LOWER_END.motion, LOWER_END.motion + 9):
-        if state[k] != 0.0:
-            return True
-    return False
+        largest = max(largest, abs(state[k]))
+    return largest > 0.0
 
 
 @kernel

@@ -7,22 +7,24 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 import math
 
 from cable_model.kernels.fluid import current_velocity, flows
-from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, PENDING, STEP, STEPS, TOP, WATCH
+from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
-from cable_model.kernels.top import horizon
+from cable_model.kernels.top import LOWER_END, UPPER_END, horizon
 from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE, SWINGS = range(14, 19)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION = range(14, 22)
+# of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie LOWER after them: `end` in what follows is 0 or LOWER
+LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
-FASTEST = WATCH + 10  # speed of the top so far, m/s
+FASTEST = WATCH + 10  # speed of the end so far, m/s
 GONE = WATCH + 11  # how far position and velocity went, in sum
 MISSED = WATCH + 13  # and what their rates do not explain of it
 FARTHEST = WATCH + 15  # and the longer of both in a step
-MOVING = WATCH + 17  # time in which the top has moved, s
+MOVING = WATCH + 17  # time in which it has moved, s
 SPEEDS = WATCH + 18  # squares of its velocity, summed over that time, m2/s
 RATES = WATCH + 19  # and of its acceleration, m2/s3
 MISSING = WATCH + 20  # time in which what was led on missed the inputs by more than KICK
@@ -76,85 +78,99 @@ def watch_start(state, inputs):
     """Begin with the inputs (19,) of the initialization, after it."""
     for k in range(DOUBTS, AUDIT):
         state[k] = 0.0
+    for k in range(LOWER_WATCH, HEADER):
+        state[k] = 0.0
     for k in range(9):
         state[LAST + k] = inputs[k]
+        state[LOWER + LAST + k] = inputs[LOWER_END.given + k]
 
 
 @kernel
 def watch_inputs(order, p, state, inputs, step):
     """Compare the inputs (19,) of a step with the last ones: top.motion_order `order` says which of them are given."""
-    length = p[0].cable.length
-    last = state[LAST : LAST + 9]
-    h = step if p[0].top.inputs_at > 0.0 else state[SPAN]
-    reach = max(h, step)
-    way, gap = _apart(inputs, last, 0, h, 0.0)
-    if order == 0:
-        gap = way
-    else:
-        state[FASTEST] = max(state[FASTEST], math.sqrt(inputs[3] ** 2 + inputs[4] ** 2 + inputs[5] ** 2))
-    unknown = SOON if state[FASTEST] == 0.0 else 0.0
-    allowed = reach * (3.0 * state[FASTEST] + unknown + 0.5 * GRAVITY * reach) + FEWEST * length
-    if h == 0.0:
-        allowed = TOUCHED * length
-    if gap > allowed:
-        note(state, JUMP, gap, reach)
-    elif h > 0.0:
-        state[FASTEST] = max(state[FASTEST], way / h)
-        for level in range(order):
-            way, missed = _apart(inputs, last, 3 * level, h, 0.5)
-            state[GONE + level] += way
-            state[MISSED + level] += missed
-            state[FARTHEST + level] = max(state[FARTHEST + level], way, missed)
-            scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
-            enough = max(UNEXPLAINED * state[GONE + level], scale)
-            if state[MISSED + level] > enough and state[GONE + level] + state[MISSED + level] > SEVERAL * state[FARTHEST + level]:
-                note(state, VELOCITY + level, state[GONE + level], state[MISSED + level])
-        _watch_motion(order, p, state, inputs, step)
-    for k in range(9):
-        last[k] = inputs[k]
+    _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
+    if p[0].lower_end.driven > 0.0:
+        _watch_end(LOWER_END, LOWER, LOWER_JUMP, order, p, state, inputs, step)
     state[SPAN] = step
 
 
 @kernel
-def _watch_motion(order, p, state, inputs, step):
+def _watch_end(which, end, jump, order, p, state, inputs, step):
+    """The same for one end; `jump` is the first of its three kinds of doubt, the others follow it."""
+    length = p[0].cable.length
+    last = state[end + LAST : end + LAST + 9]
+    given = inputs[which.given : which.given + 9]
+    fastest, gone, missing, farthest = end + FASTEST, end + GONE, end + MISSED, end + FARTHEST
+    h = step if p[0].top.inputs_at > 0.0 else state[SPAN]
+    reach = max(h, step)
+    way, gap = _apart(given, last, 0, h, 0.0)
+    if order == 0:
+        gap = way
+    else:
+        state[fastest] = max(state[fastest], math.sqrt(given[3] ** 2 + given[4] ** 2 + given[5] ** 2))
+    unknown = SOON if state[fastest] == 0.0 else 0.0
+    allowed = reach * (3.0 * state[fastest] + unknown + 0.5 * GRAVITY * reach) + FEWEST * length
+    if h == 0.0:
+        allowed = TOUCHED * length
+    if gap > allowed:
+        note(state, jump, gap, reach)
+    elif h > 0.0:
+        state[fastest] = max(state[fastest], way / h)
+        for level in range(order):
+            way, missed = _apart(given, last, 3 * level, h, 0.5)
+            state[gone + level] += way
+            state[missing + level] += missed
+            state[farthest + level] = max(state[farthest + level], way, missed)
+            scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
+            enough = max(UNEXPLAINED * state[gone + level], scale)
+            if state[missing + level] > enough and state[gone + level] + state[missing + level] > SEVERAL * state[farthest + level]:
+                note(state, jump + 1 + level, state[gone + level], state[missing + level])
+        _watch_motion(which, end, jump, order, p, state, given, step)
+    for k in range(9):
+        last[k] = given[k]
+
+
+@kernel
+def _watch_motion(which, end, jump, order, p, state, given, step):
     """The motion that was led on to these inputs: its frequency against the internal step, and by how much it missed them.
 
     A velocity that is missed by dv, and caught up with within a step of h, sends a wave of sqrt(EA m) dv through the cable, or stretches
     all of it by what it is behind, h dv/8 on average, whichever is more; but no more than what moves all of its mass.
     """
+    motion = which.motion
     speed = 0.0
     rate = 0.0
     missed = 0.0
     whole = horizon(state, step)
     for k in range(3):
-        speed += state[TOP + 3 + k] ** 2
-        rate += state[TOP + 6 + k] ** 2
-        missed += ((inputs[k] - state[TOP + k]) / whole) ** 2
+        speed += state[motion + 3 + k] ** 2
+        rate += state[motion + 6 + k] ** 2
+        missed += ((given[k] - state[motion + k]) / whole) ** 2
         if order > 0:
-            missed += (inputs[3 + k] - state[TOP + 3 + k]) ** 2
+            missed += (given[3 + k] - state[motion + 3 + k]) ** 2
     before = state[SPAN]
     still = RESTING * GRAVITY * p[0].cable.length
     if before == 0.0 or (speed <= RESTING * still and rate <= (RESTING * GRAVITY) ** 2):
         return
-    state[MOVING] += before
-    state[SPEEDS] += before * speed
-    state[RATES] += before * rate
-    state[SIDEWAYS] += before * (state[TOP + 3] ** 2 + state[TOP + 4] ** 2)
-    moving = state[MOVING]
+    state[end + MOVING] += before
+    state[end + SPEEDS] += before * speed
+    state[end + RATES] += before * rate
+    state[end + SIDEWAYS] += before * (state[motion + 3] ** 2 + state[motion + 4] ** 2)
+    moving = state[end + MOVING]
     mass = p[0].cable.mass_per_length * p[0].cable.length + p[0].body.mass + max(p[0].body.added_mass, 0.0)
     impedance = math.sqrt(p[0].cable.axial_stiffness * p[0].cable.mass_per_length)
     stretched = p[0].cable.axial_stiffness / p[0].cable.length * whole / 8.0
     kick = min(max(impedance, stretched), mass / whole) * math.sqrt(missed)
-    inertia = mass * math.sqrt(state[RATES] / moving)
-    leads = p[0].top.inputs_at == 0.0 and p[0].host.mass == 0.0
+    inertia = mass * math.sqrt(state[end + RATES] / moving)
+    leads = p[0].top.inputs_at == 0.0 and (end == LOWER or p[0].host.mass == 0.0)
     if leads and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
-        state[MISSING] += before
-        rates_differ = state[DOUBT + 2 * VELOCITY] + state[DOUBT + 2 * ACCELERATION] > 0.0
-        if state[MISSING] > 0.5 * moving and moving > FEWEST_STEPS * before and not rates_differ:
+        state[end + MISSING] += before
+        rates_differ = state[DOUBT + 2 * (jump + 1)] + state[DOUBT + 2 * (jump + 2)] > 0.0
+        if state[end + MISSING] > 0.5 * moving and moving > FEWEST_STEPS * before and not rates_differ:
             note(state, KICKED, kick, inertia)
-    if state[RATES] > 0.0 and p[0].solver.tolerance == 0.0:
-        period = 2.0 * math.pi * math.sqrt(state[SPEEDS] / state[RATES])
-        matters = state[RATES] / moving > (FEWEST * GRAVITY) ** 2 and moving > SEVERAL * max(before, step)
+    if state[end + RATES] > 0.0 and p[0].solver.tolerance == 0.0:
+        period = 2.0 * math.pi * math.sqrt(state[end + SPEEDS] / state[end + RATES])
+        matters = state[end + RATES] / moving > (FEWEST * GRAVITY) ** 2 and moving > SEVERAL * max(before, step)
         if matters and moving > PERIODS * period and FEWEST_STEPS * state[STEP] > period:
             note(state, COARSE, state[STEP], period)
 
@@ -235,7 +251,7 @@ def _watch_level(parts, state, lower_z):
 
 @kernel
 def watch_set_off(parts, p, state, along, outputs):
-    """A top whose speed `along` the cable, m/s, is not 0 when the cable is still at rest."""
+    """Ends that part at a speed `along` the cable, m/s, that is not 0 when the cable is still at rest."""
     cable = p[0].cable
     mass = cable.mass_per_length * cable.length
     if parts.anchor is None:
