@@ -314,10 +314,8 @@ def test_what_is_doubtful_about_its_motion_is_told():
 
 
 def test_a_scene_moves_both_ends():
-    scene = from_dict(
-        {**LINE, "lower": {"position": [*FAR], "motion": [{"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "angular_frequency": 1.0, "ramp_time": 5.0}]},
-         "run": {"duration": 10.0, "output_step": 0.1}}
-    )  # fmt: skip
+    sway = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "angular_frequency": 1.0, "ramp_time": 5.0}
+    scene = from_dict({**LINE, "lower": {"position": [*FAR], "motion": [sway]}, "run": {"duration": 10.0, "output_step": 0.1}})
     result = simulate(CableChain(scene))
     assert result["lower.x"] == pytest.approx(result["body.x"], abs=1e-4)
     assert np.ptp(result["lower.x"]) > 1.5
