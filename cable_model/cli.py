@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check; study, advise and sweep are in cli_studies."""
+"""The command line: run, plot, describe, compare, check; study, advise and sweep are in cli_studies, import in cli_import."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from cable_model import __version__, cli_studies
+from cable_model import __version__, cli_import, cli_studies
 from cable_model.cli_console import check_output, console, fail, load_scene, progress, say, warn, words_of
 from cable_model.comparison import Difference, compare, remarks
 from cable_model.errors import ParameterError, SolverError
@@ -290,6 +290,7 @@ def holding(found: list[Difference], held: list[Difference], left: list[Differen
 
 for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep):
     app.command()(command)
+app.command("import")(cli_import.import_deck)
 
 
 def guarded(commands: typer.Typer) -> None:

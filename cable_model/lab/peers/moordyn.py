@@ -15,7 +15,7 @@ LONGEST_RELAXATION = 60.0  # s
 CAN = ("seabed", "friction", "anchor")
 
 
-def _seabed(scene: Scene) -> tuple[str, ...]:
+def seabed_options(scene: Scene) -> tuple[str, ...]:
     """Its options; they are on the input file's diameter, and damping is per velocity."""
     seabed, cable = scene.seabed, scene.cable
     if parts_of(scene, "chain").seabed is None:
@@ -40,7 +40,7 @@ def run(scene: Scene, segments: int, step: float, calls: int) -> Timed:
         raise ParameterError("moordyn: not installed. Install it with pip install 'cable-fmu[peers]'.") from absent
     deck.refuse_untranslated(scene, "MoorDyn", CAN)
     relaxation = min(LONGEST_RELAXATION, 2.0 * scene.run.duration)
-    options = ("0 writeLog", f"{step} dtM", "RK4 tScheme", *_seabed(scene), f"{relaxation} TmaxIC", "0.1 dtIC", "10 CdScaleIC",
+    options = ("0 writeLog", f"{step} dtM", "RK4 tScheme", *seabed_options(scene), f"{relaxation} TmaxIC", "0.1 dtIC", "10 CdScaleIC",
                "1e-6 threshIC")  # fmt: skip
     start = motion_of(scene)(0.0, 1)
     with deck.written(deck.text(scene, segments, options)) as path:

@@ -1,0 +1,274 @@
+"""Lines of MoorDyn's input files as scenes: every number where it belongs, forces at rest against the catenary, errors of one line.
+
+The decks in data/moordyn name where their numbers come from.
+"""
+
+from __future__ import annotations
+
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import root
+from typer.testing import CliRunner
+
+from cable_model import moordyn_scene
+from cable_model.cable_chain import CableChain
+from cable_model.cli import app
+from cable_model.errors import ParameterError
+from cable_model.moordyn import read
+from cable_model.moordyn_scene import scene_of
+from cable_model.motion import top_motion
+from cable_model.scene import from_dict, load
+
+pytestmark = pytest.mark.shipped
+DATA = Path(__file__).parent / "data" / "moordyn"
+
+
+def catenary(scene) -> tuple[float, float]:
+    """Horizontal and vertical force at the top of an elastic line from an anchor on a level, hard, smooth bottom, N."""
+    cable, top = scene.cable, scene.top.position
+    length, stiffness = cable.length, cable.axial_stiffness
+    weight = (cable.mass_per_length - scene.water.density * cable.displaced_area) * scene.environment.gravity
+    span = math.hypot(top[0] - scene.lower_end.x, top[1] - scene.lower_end.y)
+    height = top[2] - scene.lower_end.z
+
+    def misses(logarithms):
+        across, up = np.exp(logarithms)
+        hung = min(up / weight, length)  # what does not lie on the bottom
+        foot = up - weight * hung
+        far = length - hung + across / weight * (np.arcsinh(up / across) - np.arcsinh(foot / across)) + across * length / stiffness
+        high = (np.hypot(across, up) - np.hypot(across, foot)) / weight + (up * up - foot * foot) / (2.0 * stiffness * weight)
+        return far / span - 1.0, high / height - 1.0
+
+    found = root(misses, np.log([weight * height, weight * height]), tol=1e-12)
+    assert found.success
+    return tuple(np.exp(found.x))
+
+
+def at_rest(scene) -> np.ndarray:
+    """The outputs of the chain at rest."""
+    model = CableChain(scene)
+    model.initialize(top_motion(scene.top)(0.0, 1))
+    return np.array(model.outputs)
+
+
+# the bottom of the chains is so soft (1e5 Pa/m) that they sink in by 0.13 m, which a catenary does not know
+@pytest.mark.parametrize(("name", "line", "within"), [
+    ("oc3_hywind", 1, 5e-4), ("oc3_hywind", 2, 5e-4), ("chain_200m", 1, 2e-3), ("chain_50m", 1, 5e-3),
+])  # fmt: skip
+def test_an_imported_mooring_pulls_as_the_elastic_catenary(name, line, within):
+    scene, _ = scene_of(read(DATA / f"{name}.txt"), line)
+    across, up = catenary(scene)
+    outputs = at_rest(scene)
+    assert math.hypot(*outputs[:2]) == pytest.approx(across, rel=within)
+    assert outputs[2] == pytest.approx(-up, rel=within)
+    assert outputs[3] == pytest.approx(math.hypot(across, up), rel=within)
+
+
+def test_a_mooring_has_every_number_of_its_deck():
+    scene, told = scene_of(read(DATA / "oc3_hywind.txt"), 1)
+    damping = 0.8 * (902.2 / 20) * math.sqrt(384.243e6 * 77.7066)
+    assert scene == from_dict({
+        "title": "Three chains of the OC3-Hywind spar Numbers: example/lines.txt of MoorDyn 2.6 (BSD-3-Clause)",
+        "source": "MoorDyn input file oc3_hywind.txt, line 1",
+        "cable": {
+            "length": 902.2, "diameter": 0.09, "mass_per_length": 77.7066, "axial_stiffness": 384.243e6, "axial_damping": damping,
+            "normal_drag_coefficient": 1.6, "tangential_drag_coefficient": 0.1 * math.pi, "added_mass_coefficient": 1.0,
+        },
+        "top": {"position": [5.2, 0.0, -70.0]}, "lower_end": {"anchored": True, "x": 853.87, "z": -320.0},
+        "environment": {"gravity": 9.80665}, "water": {"density": 1025.0},
+        "seabed": {"level": -320.0, "stiffness": 3e6, "damping_ratio": 1.5e5 * math.sqrt(0.09 / (3e6 * 77.7066))},
+    })  # fmt: skip
+    assert told == [
+        f"changed: BA = -0.8 of critical: cable.axial_damping = {damping:.6g} N.s, that of 20 segments",
+        "changed: point 4, Coupled: it is the top and stands still; give [[top.motion]] or move it as an FMU",
+        "changed: motion in space: the cable moves in the plane of x and z; solver.space = true lets it leave that",
+        "changed: NumSegs = 20: solver.nodes = 51, the default, is finer",
+        "left out: dtM = 0.002: steps are implicit here: see solver.time_step",
+        "left out: LineOutputs p: every run has the outputs of docs/fmu_variables.md",
+        "changed: output FairTen1: its name here is top.tension",
+        "changed: output AnchTen1: its name here is body.tension",
+        "left out: output FairTen2: every run has the outputs of docs/fmu_variables.md",
+        "left out: lines 2, 3 with their types and points: import each by itself with --line",
+    ]
+
+
+def test_a_lowered_body_has_every_number_of_its_deck_and_what_has_no_place_is_told():
+    scene, told = scene_of(read(DATA / "lowered.txt"))
+    assert scene == from_dict({
+        "title": "A body of 5 t on 400 m of rope, of everything that a file may say", "source": "MoorDyn input file lowered.txt, line 1",
+        "cable": {
+            "length": 400.0, "diameter": 0.05, "mass_per_length": 2.5, "axial_stiffness": 1e6, "axial_damping": 1e4,
+            "stiffness_curve": [[0.0, 0.0], [0.02, 1e4], [0.04, 4e4]], "bending_stiffness": 3.5, "normal_drag_coefficient": 1.2,
+            "tangential_drag_coefficient": 0.02 * math.pi, "added_mass_coefficient": 1.1,
+        },
+        "body": {"mass": 5000.0, "volume": 0.6, "drag_area": 2.5, "added_mass": 0.5 * 1000.0 * 0.6},
+        "top": {"position": [3.0, 4.0, 5.0]}, "environment": {"gravity": 9.81}, "water": {"density": 1000.0},
+        "seabed": {"level": -600.0, "stiffness": 3e6, "damping_ratio": 1.5e5 * math.sqrt(0.05 / (3e6 * 2.5))},
+        "solver": {"nodes": 81}, "run": {"output_step": 0.2},
+    })  # fmt: skip
+    assert told == [
+        "left out: dynamic stiffness 2e6|0.4: cable.axial_stiffness is the static one, rope.dat",
+        "changed: EA = rope.dat: its rows are joined smoothly in cable.stiffness_curve, by straight lines in MoorDyn",
+        "left out: dynamic damping BA_d = 2e4: the material is elastic with one damping here",
+        "left out: CaAx = 0.5: there is no added mass along the cable here",
+        "left out: Cl = 0.7: there is no vortex-induced vibration here",
+        "changed: point 1, CPLD: it is the top and stands still; give [[top.motion]] or move it as an FMU",
+        "left out: Mass of point 1: the end is held or moved, and feels the cable alone here",
+        "left out: force on point 2: a body feels weight, water and cable alone here",
+        "left out: place of point 2: the scene starts at rest, which is solved for",
+        "changed: point 2: above the surface it is dry here, in MoorDyn it floats and drags there too",
+        "changed: motion in space: the cable moves in the plane of x and z; solver.space = true lets it leave that",
+        "changed: WtrDpth = 0: the depth is 600 m, of the lowest point, as in MoorDyn",
+        "left out: dtM = 0.01: steps are implicit here: see solver.time_step",
+        "left out: WaveKin = 3: give [waves] in the scene",
+        "left out: SeafloorFile = floor.txt: the seabed is level here",
+        "left out: NewOption = 1: it is unknown here",
+        "changed: output FairTen1: its name here is body.tension",
+        "changed: output AnchTen1: its name here is top.tension",
+        "left out: point 3: it holds no line",
+        "left out: line type spare: no line has it",
+        "left out: ROD TYPES bar: a cable between a top and a lower end is all there is here",
+        "left out: BODIES 1: a cable between a top and a lower end is all there is here",
+        "left out: FAILURE 1: a cable between a top and a lower end is all there is here",
+    ]
+
+
+def test_the_command_writes_a_scene_that_loads_and_says_what_was_left_out(tmp_path):
+    target = tmp_path / "line.toml"
+    result = CliRunner().invoke(app, ["import", str(DATA / "oc3_hywind.txt"), "--line", "2", "-o", str(target)])
+    scene, told = scene_of(read(DATA / "oc3_hywind.txt"), 2)
+    assert result.exit_code == 0
+    assert result.output.splitlines() == [*told, f"wrote {target}"]
+    assert load(target) == scene
+    assert scene.solver.space and scene.lower_end.y == 739.47
+    assert [line.removeprefix("# ") for line in target.read_text(encoding="utf-8").splitlines()[: len(told)]] == told
+
+
+@pytest.fixture
+def changed(tmp_path):
+    """Makes the scene of a deck of data/moordyn, as lines.txt, in which texts are replaced."""
+
+    def scene(name, changes, line=None):
+        text = (DATA / f"{name}.txt").read_text(encoding="utf-8")
+        for old, new in changes:
+            assert text.count(old) == 1
+            text = text.replace(old, new)
+        (tmp_path / "lines.txt").write_text(text, encoding="utf-8")
+        return scene_of(read(tmp_path / "lines.txt"), line)
+
+    shutil.copy(DATA / "rope.dat", tmp_path)
+    return scene
+
+
+def test_a_fixed_point_over_a_free_one_is_the_top_and_a_deep_seabed_is_left_out(changed):
+    fixed, deep = ("CPLD     3     4     5 ", "Fixed    3     4     5 "), ("0     0     -600", "0     0     -900")
+    scene, told = changed("lowered", (fixed, deep))
+    assert scene.top.position == (3.0, 4.0, 5.0)
+    assert scene.seabed.stiffness == 0.0
+    assert "left out: the seabed at z = -900 m: it lies deeper than 2 lengths below the top" in told
+
+
+HUNG = "1     rope   1         2         400        80        -"
+WRONG = [
+    ("oc3_hywind", (), None, "lines.txt: has the lines 1, 2, 3. Name one with --line."),
+    ("oc3_hywind", (), 7, "lines.txt: has no line 7, only 1, 2, 3. Name one of them with --line."),
+    ("lowered", (("rope    0.05   2.5 ", "rope    0.05   2,5 "),), None, "lines.txt, row 5: Mass/m = '2,5': must be a number. Mend it."),
+    ("lowered", (("rope    0.05 ", "rope    0    "),), None, "lines.txt, row 5: Diam = 0: must be > 0. Mend it."),
+    (
+        "lowered", (("1e6                1e4        0      1.2   1.0   0.02   0\n", "1e6                1e4        0\n"),), None,
+        "lines.txt, row 6: a line type has 6 columns: must be 10 as in MoorDyn v2 (v1 has no EI). Complete the row.",
+    ),
+    ("lowered", (("-390   5000", "-390   5t"),), None, "lines.txt, row 19: Mass = '5t': must be a number. Mend it."),
+    (
+        "lowered", ((HUNG, HUNG[:30]),), None, "lines.txt, row 24: NumSegs is missing, column 6 of 4. Complete the row as in MoorDyn v2.",
+    ),
+    ("lowered", ((HUNG, HUNG.replace("80", "8.5")),), None, "lines.txt, row 24: NumSegs = '8.5': must be a whole number. Mend it."),
+    ("lowered", ((HUNG, HUNG.replace("80", "0 ")),), None, "lines.txt, row 24: NumSegs = 0: must be at least 1. Mend it."),
+    (
+        "lowered", ((HUNG, HUNG.replace("rope", "wire")),), None,
+        "lines.txt, row 24: line type 'wire' is unknown: known are rope, spare. Give one of them.",
+    ),
+    ("lowered", ((HUNG, HUNG.replace(" 2 ", " 8 ")),), None, "lines.txt, row 24: point 8 is unknown: known are 1, 2, 3. Give one of them."),
+    (
+        "lowered", ((HUNG, HUNG.replace(" 2 ", "R1A")),), None,
+        "lines.txt, row 24: end B is on 'R1A': must be a point. Put a coupled, fixed or free point there.",
+    ),
+    (
+        "lowered", (("2     Free     3", "2     Body1    3"),), None,
+        "lines.txt, row 19: point 2 is on 'Body1': must be coupled, fixed or free. Write it so, at its place.",
+    ),
+    (
+        "lowered", (("2     Free     3", "2     Coupled  3"),), None,
+        "lines.txt, row 24: both ends of line 1 are coupled: one must be the top, coupled (or fixed, over a free one). "
+        "Write Coupled at the end that a host moves.",
+    ),
+    (
+        "lowered", ((HUNG, HUNG + "\n" + HUNG.replace("1     rope   1", "2     rope   3")),), 1,
+        "lines.txt, row 19: point 2 is free and holds the lines 1, 2: must hold one. Make it fixed or coupled, or one line of them.",
+    ),
+    ("lowered", (("-390   5000", "-390   0"),), None,
+     "lines.txt, line 1: body.mass = 0 kg: must be > 0 for a body with volume, drag area or added mass. "
+     "Give the body's mass, or remove all of [body]."),
+    ("lowered", (("1000     rho", "water    rho"),), None, "lines.txt, row 28: rho = 'water': must be a number. Mend it."),
+    (
+        "lowered", (("1000     rho", "1000"),), None,
+        "lines.txt, row 28: the option's name is missing, column 2 of 1. Complete the row as in MoorDyn v2.",
+    ),
+    ("lowered", (("0.2      dtOut", "-2 kBot"),), None, "lines.txt, row 31: kBot = -2: must be >= 0. Mend it."),
+    (
+        "lowered", (("rope.dat|2e6|0.4", "SYROPE:a.dat|1|2"),), None,
+        "lines.txt, row 5: EA is of Syrope's model: must be a number or a table. Give the stiffness at the mean tension.",
+    ),
+    ("lowered", (("rope.dat|2e6|0.4", "-1e6            "),), None, "lines.txt, row 5: EA = -1e6: must be > 0. Mend it."),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "changes", "line", "words"), WRONG)
+def test_what_is_wrong_in_a_deck_is_told_with_its_file_and_row(changed, name, changes, line, words):
+    with pytest.raises(ParameterError) as refused:
+        changed(name, changes, line)
+    assert str(refused.value) == words
+
+
+@pytest.mark.parametrize(
+    ("last", "lacking"), [("LINE TYPES", "LINE TYPES"), ("POINTS", "POINTS"), ("LINES", "LINES"), ("OPTIONS", "OPTIONS")]
+)
+def test_a_file_that_ends_too_early_is_told_by_the_section_that_it_lacks(last, lacking, tmp_path):
+    text = (DATA / "chain_50m.txt").read_text(encoding="utf-8")
+    path = tmp_path / "cut.txt"
+    path.write_text(text[: text.index(f"- {last} -")].rsplit("\n", 1)[0], encoding="utf-8")
+    with pytest.raises(ParameterError, match=rf"^cut\.txt: no section {lacking}\. Give a whole MoorDyn v2 input file\.$"):
+        read(path)
+
+
+@pytest.mark.parametrize(("table", "words"), [
+    (None, "lines.txt, row 5: EA = 'rope.dat': must be a number or a file in {folder!r}. Put the file there."),
+    ("0 0\n", "lines.txt, row 5: EA = 'rope.dat': must be a file of 3 lines of heads and at least 2 rows. Complete it."),
+    ("0 0\n0.1 x\n", "rope.dat, row 5: tension = 'x': must be a number. Mend it."),
+    ("0 0\n0 1\n", "rope.dat, row 5: the last strain and tension: must be > 0. Sort the rows by strain."),
+    ("0 0\n2 1\n1 2\n", "lines.txt, line 1: cable.stiffness_curve = 3 rows: must be [0, 0] and rows of rising strain and tension. "
+                   "Sort the rows by strain."),
+])  # fmt: skip
+def test_what_is_wrong_with_a_table_of_the_stiffness_is_told(changed, tmp_path, table, words):
+    changed("lowered", ())
+    (tmp_path / "rope.dat").unlink()
+    if table is not None:
+        (tmp_path / "rope.dat").write_text("head\nhead\nhead\n" + table, encoding="utf-8")
+    with pytest.raises(ParameterError) as refused:
+        scene_of(read(tmp_path / "lines.txt"))
+    assert str(refused.value) == words.format(folder=str(tmp_path))
+
+
+def test_the_page_has_the_table_of_the_code():
+    page = (Path(__file__).parents[1] / "docs" / "how_to" / "moordyn.md").read_text(encoding="utf-8")
+    table = page.split("<!-- table -->\n")[1].split("<!-- end of table -->")[0]
+    assert len(table) > 2000 and table in str(moordyn_scene.__doc__)
+
+
+def test_a_deck_that_is_not_there_is_told(tmp_path):
+    with pytest.raises(ParameterError, match=r"no such file\. Give the path of a MoorDyn input file\.$"):
+        read(tmp_path / "none.txt")
