@@ -32,8 +32,10 @@ from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.models import MODELS
 from cable_model.scene import Scene
 from fmu_src import trial
+from fmu_src.documentation import build as documentation
+from fmu_src.documentation import licences
 from fmu_src.entries import Variant
-from fmu_src.interface import generic_scene
+from fmu_src.interface import generic_scene, table
 from fmu_src.launcher import build as launcher
 from fmu_src.model_description import epoch_of, osp_description
 from fmu_src.native import build as native_build
@@ -200,6 +202,9 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
             needsExecutionTool=False, canGetAndSetFMUstate=True, canSerializeFMUstate=True,
         )  # fmt: skip
         entries = launcher.before_pythonfmu(_unpacked(made), identifier, guid)
+        entries |= documentation.files(
+            model, identifier, table(scene), scene, documentation.PYTHON, licences.of_python(launcher.can_compile())
+        )
         _pack(entries | {"resources/OspModelDescription.xml": _xml(osp_description())}, to)
     to.with_name(f"{to.stem}_OspModelDescription.xml").write_bytes(_xml(osp_description()))
     return to

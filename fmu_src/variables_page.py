@@ -23,13 +23,20 @@ def _range(row: Variable) -> str:
     return ", ".join(bound for bound in (low, high) if bound)
 
 
+COLUMNS = ("name", "kind", "type", "unit", "start", "range", "meaning")
+
+
+def cells(row: Variable) -> tuple[str, ...]:
+    """What a table says of a variable, by COLUMNS."""
+    start = "" if row.start is None else f"{row.start:g}" if isinstance(row.start, float) else str(row.start).lower()
+    return row.name, row.causality, row.kind, row.unit, start, _range(row), row.description
+
+
 def markdown() -> str:
     """The variables of both FMUs as a Markdown table."""
-    lines = ["| name | kind | type | unit | start | range | meaning |", "|---|---|---|---|---|---|---|"]
-    for row in table():
-        start = "" if row.start is None else f"{row.start:g}" if isinstance(row.start, float) else str(row.start).lower()
-        cells = (f"`{row.name}`", row.causality, row.kind, row.unit, start, _range(row), row.description)
-        lines.append("| " + " | ".join(cells) + " |")
+    lines = ["| " + " | ".join(COLUMNS) + " |", "|" + len(COLUMNS) * "---|"]
+    for name, *others in map(cells, table()):
+        lines.append("| " + " | ".join((f"`{name}`", *others)) + " |")
     return "\n".join(lines) + "\n"
 
 

@@ -15,6 +15,8 @@ from xml.etree.ElementTree import Element, indent, tostring
 from cable_model import __version__
 from cable_model.models import MODELS
 from cable_model.scene import Scene
+from fmu_src.documentation import build as documentation
+from fmu_src.documentation import licences
 from fmu_src.entries import Variant
 from fmu_src.interface import Variable, generic_scene, table
 from fmu_src.model_description import model_description, osp_description
@@ -82,11 +84,15 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None,
     sources = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
     draft = _description(identifier, "", rows, base, model_name)
     guid = _guid(header, bitcode(model_name, variants), *sources, draft)
+    folders = list(dict.fromkeys(target.folder for target in targets))
     libraries = _libraries(f'#define MODEL_GUID "{guid}"\n{header}', model_name, variants, targets)
     files = {
         "modelDescription.xml": _description(identifier, guid, rows, base, model_name),
         **{f"binaries/{folder}/{identifier}{suffix}": made for (folder, suffix), made in libraries.items()},
         "resources/OspModelDescription.xml": _xml(osp_description()),
+        **documentation.files(
+            model_name, identifier, rows, base, documentation.NATIVE.format(", ".join(folders)), licences.of_native(folders)
+        ),
     }
     destination.parent.mkdir(parents=True, exist_ok=True)
     destination.write_bytes(_zip(files))
