@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from cable_model.errors import ParameterError
 
@@ -33,6 +34,7 @@ _ALIASES = {  # other names of options
 _FIXED = ("ANCHOR", "FIXED", "FIX")
 _COUPLED = ("FAIRLEAD", "VESSEL", "VES", "COUPLED", "CPLD")
 _FREE = ("POINT", "CONNECT", "CON", "FREE")
+_Made = TypeVar("_Made")
 FIXED, COUPLED, FREE = "fixed", "coupled", "free"
 _KINDS = dict.fromkeys(_FIXED, FIXED) | dict.fromkeys(_COUPLED, COUPLED) | dict.fromkeys(_FREE, FREE)
 
@@ -88,6 +90,7 @@ class Point:
     """A row of POINTS: `place` (m) and `force` (N) are (3,), `kind` is FIXED, COUPLED, FREE or the word that stands there."""
 
     row: Row
+    number: int
     kind: str
     place: tuple[float, float, float]
     mass: float  # kg
@@ -180,7 +183,17 @@ def _point(row: Row) -> Point:
     drag_area, added = row.number_at(at, "CdA"), row.number_at(at + 1, "Ca")
     force = tuple(row.number_at(7 + k, f"F{axis}") for k, axis in enumerate("XYZ")) if at == 10 else (0.0, 0.0, 0.0)
     known = _KINDS.get(letters[0].upper() if letters else "", kind)
-    return Point(row, known, (numbers[0], numbers[1], numbers[2]), numbers[3], numbers[4], drag_area, added, (force[0], force[1], force[2]))
+    return Point(
+        row,
+        row.whole_at(0, "ID"),
+        known,
+        (numbers[0], numbers[1], numbers[2]),
+        numbers[3],
+        numbers[4],
+        drag_area,
+        added,
+        (force[0], force[1], force[2]),
+    )
 
 
 def _line(row: Row) -> Line:
@@ -189,6 +202,16 @@ def _line(row: Row) -> Line:
     if segments < 1:
         raise row.refused(f"NumSegs = {segments}: must be at least 1. Mend it.")
     return Line(row, row.word(1, "LineType"), ends, row.number_at(4, "UnstrLen"), segments, row.word(6, "LineOutputs"))
+
+
+def _numbered(rows: Sequence[Row], make: Callable[[Row], _Made]) -> dict[int, _Made]:
+    made: dict[int, _Made] = {}
+    for row in rows:
+        number = row.whole_at(0, "ID")
+        if number in made:
+            raise row.refused(f"ID {number} stands twice in its section. Give each its own.")
+        made[number] = make(row)
+    return made
 
 
 def _option(row: Row) -> str:
@@ -204,13 +227,15 @@ def read(path: Path) -> Deck:
     for name in (TYPES, POINTS, LINES, OPTIONS):
         if name not in found:
             raise ParameterError(f"{path.name}: no section {name}. Give a whole MoorDyn v2 input file.")
+        if not found[name] and name != OPTIONS:
+            raise ParameterError(f"{path.name}: nothing in section {name}. Give a whole MoorDyn v2 input file.")
     for row in found[TYPES]:
         if len(row.words) < 10:
             raise row.refused(f"a line type has {len(row.words)} columns: must be 10 as in MoorDyn v2 (v1 has no EI). Complete the row.")
     words = [word for row in found.get(OUTPUTS, ()) for word in re.split(r'[,"]+', " ".join(row.words)) for word in word.split()]
     return Deck(
-        path, title, {row.words[0]: row for row in found[TYPES]}, {row.whole_at(0, "ID"): _point(row) for row in found[POINTS]},
-        {row.whole_at(0, "ID"): _line(row) for row in found[LINES]}, {_option(row): row for row in found[OPTIONS]},
+        path, title, {row.words[0]: row for row in found[TYPES]}, _numbered(found[POINTS], _point), _numbered(found[LINES], _line),
+        {_option(row): row for row in found[OPTIONS]},
         [word for word in words if word != "END"],
         {name: rows for name, rows in found.items() if name not in (TYPES, POINTS, LINES, OPTIONS, OUTPUTS) and rows},
     )  # fmt: skip

@@ -70,6 +70,8 @@ class _Translation:
             raise self.line.row.refused(f"line type {self.line.type!r} is unknown: known are {known}. Give one of them.")
         self.type = deck.types[self.line.type]
         self.density = self._option("rho", DENSITY)
+        self.top_is_a, self.top, self.low = self._ends()
+        self.space = self.low.kind == FIXED and self.low.place[1] != self.top.place[1]
 
     def _option(self, name: str, default: float) -> float:
         row = self.deck.options.get(name)
@@ -121,49 +123,52 @@ class _Translation:
         self._change(f"EA = {static}", "its rows are joined smoothly in cable.stiffness_curve, by straight lines in MoorDyn")
         return {"axial_stiffness": curve[-1][1] / curve[-1][0], "stiffness_curve": curve}
 
-    def add_ends(self) -> None:
-        """The top and the lower end.  Raises ParameterError for ends that are no pair of those."""
-        pairs = [(number, self.deck.points[number]) for number in self.deck.points_of(self.line)]
-        for number, point in pairs:
+    def _ends(self) -> tuple[bool, Point, Point]:
+        """Whether the top is end A, the top, and the lower end.  Raises ParameterError for ends that are no pair of those."""
+        a, b = (self.deck.points[number] for number in self.deck.points_of(self.line))
+        for point in (a, b):
             if point.kind not in (FIXED, COUPLED, FREE):
-                raise point.row.refused(f"point {number} is on {point.kind!r}: must be coupled, fixed or free. Write it so, at its place.")
-        kinds = [point.kind for _, point in pairs]
-        if kinds[0] == kinds[1]:
-            what = f"both ends of line {self.number} are {kinds[0]}: one must be the top, coupled (or fixed, over a free one)"
+                what = f"point {point.number} is on {point.kind!r}: must be coupled, fixed or free"
+                raise point.row.refused(f"{what}. Write it so, at its place.")
+        if a.kind == b.kind:
+            what = f"both ends of line {self.number} are {a.kind}: one must be the top, coupled (or fixed, over a free one)"
             raise self.line.row.refused(f"{what}. Write Coupled at the end that a host moves.")
-        self.top_is_a = kinds[0] == COUPLED or kinds == [FIXED, FREE]
-        (top_number, top), (low_number, low) = pairs if self.top_is_a else pairs[::-1]
+        top_is_a = a.kind == COUPLED or (a.kind, b.kind) == (FIXED, FREE)
+        return (True, a, b) if top_is_a else (False, b, a)
+
+    def add_ends(self) -> None:
+        """The top, and the lower end with its anchor or body."""
+        top, low = self.top, self.low
         self.values["top"] = {"position": list(top.place)}
-        self._change(f"point {top_number}, {top.row.words[1]}", "it is the top and stands still; give [[top.motion]] or move it as an FMU")
-        self._without_body(top_number, top)
+        self._change(f"point {top.number}, {top.row.words[1]}", "it is the top and stands still; give [[top.motion]] or move it as an FMU")
+        self._leave_out_body(top)
         if low.kind == FIXED:
             self.values["lower_end"] = {"anchored": True, **dict(zip("xyz", low.place, strict=True))}
-            self._without_body(low_number, low)
+            self._leave_out_body(low)
         else:
-            self._body(low_number, low)
-        self.space = low.kind == FIXED and low.place[1] != top.place[1]
+            self._add_body(low)
         if not self.space:
             self._change("motion in space", "the cable moves in the plane of x and z; solver.space = true lets it leave that")
 
-    def _without_body(self, number: int, point: Point) -> None:
+    def _leave_out_body(self, point: Point) -> None:
         for name, value in (("Mass", point.mass), ("Volume", point.volume), ("CdA", point.drag_area), ("force", any(point.force))):
             if value:
-                self._leave_out(f"{name} of point {number}", "the end is held or moved, and feels the cable alone here")
+                self._leave_out(f"{name} of point {point.number}", "the end is held or moved, and feels the cable alone here")
 
-    def _body(self, number: int, point: Point) -> None:
-        held = self.deck.held_by(number)
+    def _add_body(self, point: Point) -> None:
+        held = self.deck.held_by(point.number)
         if len(held) > 1:
-            what = f"point {number} is free and holds the lines {', '.join(map(str, held))}: must hold one"
+            what = f"point {point.number} is free and holds the lines {', '.join(map(str, held))}: must hold one"
             raise point.row.refused(f"{what}. Make it fixed or coupled, or one line of them.")
         self.values["body"] = {
             "mass": point.mass, "volume": point.volume, "drag_area": point.drag_area,
             "added_mass": point.added_mass_coefficient * self.density * point.volume,
         }  # fmt: skip
         if any(point.force):
-            self._leave_out(f"force on point {number}", "a body feels weight, water and cable alone here")
-        self._leave_out(f"place of point {number}", _REST)
+            self._leave_out(f"force on point {point.number}", "a body feels weight, water and cable alone here")
+        self._leave_out(f"place of point {point.number}", _REST)
         if point.volume or point.drag_area:
-            self._change(f"point {number}", "above the surface it is dry here, in MoorDyn it floats and drags there too")
+            self._change(f"point {point.number}", "above the surface it is dry here, in MoorDyn it floats and drags there too")
 
     def add_surroundings(self) -> None:
         """Gravity, water and seabed."""
@@ -180,6 +185,8 @@ class _Translation:
             self._leave_out(f"the seabed at z = {level:g} m", why)
             return
         ratio = 0.5 * damping * math.sqrt(cable["diameter"] / (stiffness * cable["mass_per_length"]))
+        if friction:
+            self._change(f"FrictionCoefficient = {friction:g}", "friction holds a cable at rest here; in MoorDyn it only slows what slides")
         self.values["seabed"] = {"level": level, "stiffness": stiffness, "damping_ratio": ratio, "friction_coefficient": friction}
 
     def add_settings(self) -> None:

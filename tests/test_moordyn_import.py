@@ -218,6 +218,11 @@ WRONG = [
         "lowered", (("1000     rho", "1000"),), None,
         "lines.txt, row 28: the option's name is missing, column 2 of 1. Complete the row as in MoorDyn v2.",
     ),
+    (
+        "lowered", (("3     Fixed    0 ", "2     Fixed    0 "),), None,
+        "lines.txt, row 20: ID 2 stands twice in its section. Give each its own.",
+    ),
+    ("lowered", ((HUNG, ""),), None, "lines.txt: nothing in section LINES. Give a whole MoorDyn v2 input file."),
     ("lowered", (("0.2      dtOut", "-2 kBot"),), None, "lines.txt, row 31: kBot = -2: must be >= 0. Mend it."),
     (
         "lowered", (("rope.dat|2e6|0.4", "SYROPE:a.dat|1|2"),), None,
@@ -261,6 +266,12 @@ def test_what_is_wrong_with_a_table_of_the_stiffness_is_told(changed, tmp_path, 
     with pytest.raises(ParameterError) as refused:
         scene_of(read(tmp_path / "lines.txt"))
     assert str(refused.value) == words.format(folder=str(tmp_path))
+
+
+def test_friction_is_told_to_be_another_than_moordyns():
+    scene, told = scene_of(read(DATA / "chain_50m.txt"))
+    assert scene.seabed.friction_coefficient == 0.5
+    assert "changed: FrictionCoefficient = 0.5: friction holds a cable at rest here; in MoorDyn it only slows what slides" in told
 
 
 def test_the_page_has_the_table_of_the_code():
