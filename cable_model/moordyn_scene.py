@@ -1,7 +1,7 @@
 """One line of a MoorDyn v2 input file as a scene.
 
 Where each number goes; both programs are SI, with z up from the still water.  What MoorDyn means by it is from its documentation
-(docs/inputs.rst) and, where that is silent, from what its line model computes (source/Line.cpp, 2.6).
+(docs/inputs.rst) and, where that is silent, from what its line model computes (source/Line.cpp, 2.7.1).
 
     MoorDyn                    unit     scene
     Diam                       m        cable.diameter: displaces its volume, and meets water and seabed in MoorDyn too

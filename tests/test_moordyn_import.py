@@ -72,7 +72,7 @@ def test_a_mooring_has_every_number_of_its_deck():
     scene, told = scene_of(read(DATA / "oc3_hywind.txt"), 1)
     damping = 0.8 * (902.2 / 20) * math.sqrt(384.243e6 * 77.7066)
     assert scene == from_dict({
-        "title": "Three chains of the OC3-Hywind spar Numbers: example/lines.txt of MoorDyn 2.6 (BSD-3-Clause)",
+        "title": "Three chains of the OC3-Hywind spar Numbers: example/lines.txt of MoorDyn 2.7.1 (BSD-3-Clause)",
         "source": "MoorDyn input file oc3_hywind.txt, line 1",
         "cable": {
             "length": 902.2, "diameter": 0.09, "mass_per_length": 77.7066, "axial_stiffness": 384.243e6, "axial_damping": damping,
