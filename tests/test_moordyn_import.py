@@ -20,7 +20,7 @@ from cable_model.cli import app
 from cable_model.errors import ParameterError
 from cable_model.moordyn import read
 from cable_model.moordyn_scene import scene_of
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.scene import from_dict, load
 
 pytestmark = pytest.mark.shipped
@@ -51,7 +51,7 @@ def catenary(scene) -> tuple[float, float]:
 def at_rest(scene) -> np.ndarray:
     """The outputs of the chain at rest."""
     model = CableChain(scene)
-    model.initialize(top_motion(scene.top)(0.0, 1))
+    model.initialize(motion_of(scene)(0.0, 1))
     return np.array(model.outputs)
 
 

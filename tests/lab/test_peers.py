@@ -16,7 +16,7 @@ from cable_model.lab.hard.cases import BASIN, basin_label
 from cable_model.lab.peers import cabledyn, compare, deck, moordyn
 from cable_model.moordyn import read
 from cable_model.moordyn_scene import scene_of
-from cable_model.motion import top_motion
+from cable_model.motion import motion_of
 from cable_model.parameters import value_of
 from cable_model.scene import load, with_values
 from cable_model.studies.timed import Scale, errors, timed
@@ -59,7 +59,7 @@ def test_moordyn_holds_a_line_of_a_deck_as_the_chain_holds_it_imported(tmp_path)
             md.Close(system)
     scene, _ = scene_of(read(source), 1)
     chain = CableChain(scene)
-    chain.initialize(top_motion(scene.top)(0.0, 1))
+    chain.initialize(motion_of(scene)(0.0, 1))
     assert np.linalg.norm(theirs) == pytest.approx(chain.outputs[3], rel=3e-3)
     assert theirs == pytest.approx(np.array(chain.outputs[:3]), abs=5e-3 * chain.outputs[3])
 
