@@ -14,7 +14,7 @@ Where each number goes; both programs are SI, with z up from the still water.  W
     Cd                         1        cable.normal_drag_coefficient: both count on the diameter
     CdAx                       1        cable.tangential_drag_coefficient = pi CdAx: theirs counts on the perimeter
     Ca                         1        cable.added_mass_coefficient: both count on the volume of the diameter
-    X, Y, Z                    m        top.position, and lower_end.x, y, z of a fixed end
+    X, Y, Z                    m        top.position; lower_end.x, y, z of a fixed lower end, lower.position of a coupled one
     Mass, Volume               kg, m3   body.mass, body.volume of a free end
     CdA                        m2       body.drag_area
     Ca of a point              1        body.added_mass = Ca rho Volume
@@ -71,7 +71,7 @@ class _Translation:
         self.type = deck.types[self.line.type]
         self.density = self._option("rho", DENSITY)
         self.top_is_a, self.top, self.low = self._ends()
-        self.space = self.low.kind == FIXED and self.low.place[1] != self.top.place[1]
+        self.space = self.low.kind in (FIXED, COUPLED) and self.low.place[1] != self.top.place[1]
 
     def _option(self, name: str, default: float) -> float:
         row = self.deck.options.get(name)
@@ -130,10 +130,13 @@ class _Translation:
             if point.kind not in (FIXED, COUPLED, FREE):
                 what = f"point {point.number} is on {point.kind!r}: must be coupled, fixed or free"
                 raise point.row.refused(f"{what}. Write it so, at its place.")
-        if a.kind == b.kind:
+        if a.kind == b.kind == COUPLED:
+            top_is_a = a.place[2] >= b.place[2]
+        elif a.kind == b.kind:
             what = f"both ends of line {self.number} are {a.kind}: one must be the top, coupled (or fixed, over a free one)"
             raise self.line.row.refused(f"{what}. Write Coupled at the end that a host moves.")
-        top_is_a = a.kind == COUPLED or (a.kind, b.kind) == (FIXED, FREE)
+        else:
+            top_is_a = a.kind == COUPLED or (a.kind, b.kind) == (FIXED, FREE)
         return (True, a, b) if top_is_a else (False, b, a)
 
     def add_ends(self) -> None:
@@ -142,7 +145,15 @@ class _Translation:
         self.values["top"] = {"position": list(top.place)}
         self._change(f"point {top.number}, {top.row.words[1]}", "it is the top and stands still; give [[top.motion]] or move it as an FMU")
         self._leave_out_body(top)
-        if low.kind == FIXED:
+        if low.kind == COUPLED:
+            self.values["lower_end"] = {"anchored": True, "driven": True}
+            self.values["lower"] = {"position": list(low.place)}
+            self._change(
+                f"point {low.number}, {low.row.words[1]}",
+                "it is the lower end and stands still; give [[lower.motion]] or move it as an FMU",
+            )
+            self._leave_out_body(low)
+        elif low.kind == FIXED:
             self.values["lower_end"] = {"anchored": True, **dict(zip("xyz", low.place, strict=True))}
             self._leave_out_body(low)
         else:

@@ -19,6 +19,7 @@ from cable_model.signals import INPUTS, OUTPUTS
 __all__ = [
     "ERROR",
     "FIRST",
+    "HEAD",
     "FMICallException",
     "Fmu",
     "Instance",
@@ -35,7 +36,8 @@ __all__ = [
 ]
 
 _numbers = itertools.count()
-FIRST = OUTPUTS.index("top.force_mean_x")  # outputs whose value references follow those of the inputs
+HEAD = 10  # inputs whose value references come first
+FIRST = OUTPUTS.index("top.force_mean_x")  # outputs whose value references follow theirs
 ERROR = 3  # fmi2Error: a host can go on
 
 

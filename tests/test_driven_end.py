@@ -2,16 +2,21 @@
 
 import dataclasses
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from chain_support import make, view
+from fmu_support import FMICallException, Fmu, assert_same
+from native_support import FLAVOURS
 
 from cable_model import CableChain, TowCable
 from cable_model.errors import ParameterError, SolverError
 from cable_model.scene import from_dict, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate
+from fmu_src.interface import generic_scene, scene_from_values
 
 pytestmark = pytest.mark.shipped
 
@@ -34,6 +39,7 @@ AIR = {
     "solver": {"nodes": 26, "time_step": 0.02, "grading": 1.0, "slack_damping": 0.0},
     **DRIVEN,
 }
+GUIDE = Path(__file__).parent.parent / "docs" / "how_to" / "both_ends.md"
 FADE = 4.0  # s
 FAR = (100.0, 0.0, -12.0)
 
@@ -372,3 +378,112 @@ def test_a_driven_end_that_is_told_nothing_stays_where_the_scene_has_it():
     model.initialize(np.zeros(9))
     model.step(0.0, 0.1, np.zeros(10))
     assert model.positions()[0] == pytest.approx([*FAR], abs=1e-6)
+
+
+# -- the FMUs
+
+IN_FMUS = {
+    "lower_end.anchored": True, "lower_end.driven": True, "water.surface": False, "cable.length": 120.0, "solver.time_step": 0.02,
+    "body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0, "body.added_mass": 0.0,
+}  # fmt: skip
+SWAYING = inputs(lambda t: along((0.0, 0.0, -2.0), (0.5, 0.0, 0.3), 0.7, t), lambda t: along(FAR, (0.7, 0.0, 0.4), 0.5, t))
+
+
+@pytest.fixture(params=FLAVOURS)
+def chain_fmu(request: pytest.FixtureRequest) -> Fmu:
+    return request.getfixturevalue(request.param)["chain"]
+
+
+def test_every_fmu_gives_what_the_library_gives_and_restores_it(chain_fmu):
+    model = CableChain(scene_from_values(generic_scene(), IN_FMUS, "chain"))
+    model.initialize(SWAYING(0.0))
+    instance = chain_fmu.instance()
+    instance.initialize(IN_FMUS, SWAYING(0.0))
+    assert "lower end moved by inputs" in instance.get("effects.active")
+    found, expected = [instance.outputs()], [model.outputs.copy()]
+    for k in range(60):
+        if k == 30:
+            saved = instance.slave.getFMUstate()
+        found.append(instance.step(0.05 * k, 0.05, SWAYING(0.05 * k)))
+        model.step(0.05 * k, 0.05, SWAYING(0.05 * k))
+        expected.append(model.outputs.copy())
+    assert_same(np.array(found), np.array(expected))
+    instance.slave.setFMUstate(saved)
+    again = [instance.step(0.05 * k, 0.05, SWAYING(0.05 * k)) for k in range(30, 60)]
+    assert np.array_equal(np.array(again), np.array(found)[31:])
+    instance.close()
+
+
+def test_an_fmu_that_drives_none_refuses_its_inputs_and_one_that_does_its_place(chain_fmu):
+    given = np.zeros(19)
+    instance = chain_fmu.instance()
+    instance.initialize({}, given)
+    given[INPUTS.index("lower.vx")] = 0.1
+    with pytest.raises(FMICallException):
+        instance.step(0.0, 0.1, given)
+    assert "the inputs lower.* say where the lower end is, but they do not drive it" in instance.errors[-1]
+    instance.close()
+    instance = chain_fmu.instance()
+    with pytest.raises(FMICallException):
+        instance.initialize({**IN_FMUS, "lower_end.x": 5.0}, SWAYING(0.0))
+    assert "Give the place by lower.position, in an FMU by lower.x, y and z." in instance.errors[-1]
+    instance.close()
+
+
+def test_the_native_fmu_takes_derivatives_of_the_lower_ends_inputs(native):
+    """Positions are set by fmi2SetReal, velocities as their derivatives: the same run."""
+    rows = []
+    for by_derivatives in (False, True):
+        instance = native["chain"].instance()
+        instance.initialize(IN_FMUS, SWAYING(0.0))
+        ends = [f"{end}.{{}}{axis}" for end in ("top", "lower") for axis in "xyz"]
+        places, velocities = ([instance.fmu.references[name.format(kind)] for name in ends] for kind in ("", "v"))
+        for k in range(20):
+            given = dict(zip(INPUTS, SWAYING(0.05 * k).tolist(), strict=True))
+            speeds = [given[name.format("v")] for name in ends]
+            instance.slave.setReal(places, [given[name.format("")] for name in ends])
+            if by_derivatives:
+                instance.slave.setRealInputDerivatives(places, [1] * 6, speeds)
+            else:
+                instance.slave.setReal(velocities, speeds)
+            instance.slave.doStep(0.05 * k, 0.05)
+        rows.append(instance.outputs())
+        instance.close()
+    assert np.array_equal(*rows)
+
+
+def test_the_guides_tug_pulls_its_barge(native, monkeypatch, tmp_path):
+    """The block of docs/how_to/both_ends.md: in the end the thrust is the drag of ships and line, and the barge feels its own."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "CableChain.fmu").write_bytes(native["chain"].path.read_bytes())
+    (block,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
+    names: dict[str, object] = {}
+    exec(compile(block, str(GUIDE), "exec"), names)
+    tug, barge = names["speeds"]
+    drag = names["drag"]
+    assert tug == pytest.approx(barge, rel=1e-3)
+    assert names["pull"] == pytest.approx(drag[names["barge"]] * barge**2, rel=5e-3)
+    line = names["thrust"] - drag[names["tug"]] * tug**2 - drag[names["barge"]] * barge**2
+    along_it = 0.5 * 1025.0 * 0.02 * 0.056 * 300.0 * tug**2  # tangential drag
+    assert 0.5 * along_it < line < 0.02 * names["thrust"]
+
+
+@pytest.mark.parametrize("step", [0.05, 0.025])
+def test_two_vessels_on_a_dry_cable_keep_their_momentum(step):
+    """Each gets the mean force of the step that the cable made: what it gives both is what it loses, whatever the step."""
+    model = make({**AIR, "environment": {"gravity": 0.0}}, solver__time_step=step, cable__length=50.0)
+    masses, places, speeds = np.array([2e4, 5e4]), np.array([50.02, 0.0]), np.array([0.3, -0.1])
+    given = np.zeros(19)
+    given[[0, 10]] = places
+    model.initialize(given)
+    start = masses @ speeds
+    for k in range(round(20.0 / step)):
+        given[[0, 10]], given[[3, 13]] = places, speeds
+        model.step(k * step, step, given)
+        forces = model.outputs[[TOP_MEAN[0], LOW_MEAN[0]]]
+        places = places + step * (speeds + 0.5 * step * forces / masses)
+        speeds = speeds + step * forces / masses
+    v = view(model).y[26:, 0]
+    cable = 1.5 * 2.0 * (0.5 * v[0] + v[1:-1].sum() + 0.5 * v[-1])
+    assert speeds[0] < 0.0
+    assert masses @ speeds + cable == pytest.approx(start, abs=2e-3 * start)

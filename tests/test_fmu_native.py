@@ -12,7 +12,7 @@ import fmpy
 import numba
 import numpy as np
 import pytest
-from fmu_support import FIRST, FMICallException, Fmu, Instance, assert_same, goes_on_from_a_state_saved_in_a_sliver, started, sway
+from fmu_support import FIRST, HEAD, FMICallException, Fmu, Instance, assert_same, goes_on_from_a_state_saved_in_a_sliver, started, sway
 from native_support import KEYS, lean, library_of, only_where_they_run, values_of
 from test_fmu_input import STEP
 
@@ -228,7 +228,7 @@ def test_a_host_without_python_gets_the_same_bits_in_two_threads_and_all_memory_
     subprocess.run([*command, "-ldl", "-lpthread"], check=True)
     guid, count = fmpy.read_model_description(str(fmu.path)).guid, 40
     inputs = np.array([[*sway(k * STEP), 0.0] for k in range(count)])
-    arguments = [str(library_of(fmu)), guid, str(count), repr(STEP), str(FIRST), str(len(INPUTS)), "threads"]
+    arguments = [str(library_of(fmu)), guid, str(count), repr(STEP), str(FIRST), str(HEAD), "threads"]
     lines = "\n".join(["0", *(" ".join(map(repr, row)) for row in inputs.tolist())])
     done = subprocess.run([str(host), *arguments], input=lines, capture_output=True, text=True, env={}, check=False)
     assert (done.returncode, done.stderr) == (0, "")

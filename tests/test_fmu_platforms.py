@@ -15,7 +15,7 @@ import fmpy
 import numpy as np
 import pytest
 import typer
-from fmu_support import FIRST, Fmu
+from fmu_support import FIRST, HEAD, Fmu
 from native_support import KEYS, lean, values_of
 from test_fmu_native import native_run
 from typer.testing import CliRunner
@@ -23,7 +23,6 @@ from typer.testing import CliRunner
 from cable_model.errors import ParameterError
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
-from cable_model.signals import INPUTS
 from fmu_src.build import main as build_main
 from fmu_src.interface import generic_scene, table
 from fmu_src.native import build, link
@@ -180,9 +179,9 @@ def test_a_shipped_scene_gives_the_same_numbers_on_another_platform(
     inputs = np.array([motion(k * step) for k in range(STEPS)])
     rows = {row.name: (vr, row.kind[0].lower()) for vr, row in enumerate(table(generic_scene()))}
     given = [f"{rows[name][1]} {rows[name][0]} {float(value)!r}" for name, value in values.items() if not isinstance(value, str)]
-    lines = [str(len(given)), *given, *(" ".join(map(repr, [*row, *[0.0] * (len(INPUTS) - len(row))])) for row in inputs.tolist())]
+    lines = [str(len(given)), *given, *(" ".join(map(repr, row[:HEAD])) for row in inputs.tolist())]
     guid = fmpy.read_model_description(str(fmu.path)).guid
-    arguments = [str(library_in(fmu, folder)), guid, str(STEPS), repr(step), str(FIRST), str(len(INPUTS))]
+    arguments = [str(library_in(fmu, folder)), guid, str(STEPS), repr(step), str(FIRST), str(HEAD)]
     home = tmp_path_factory.getbasetemp()
     environment = {"PATH": os.environ["PATH"], "HOME": str(home), "WINEPREFIX": str(home / "wine"), "WINEDEBUG": "-all"}
     done = subprocess.run([*command, *arguments], input="\n".join(lines), capture_output=True, text=True, env=environment, check=False)

@@ -202,8 +202,8 @@ WRONG = [
         "lines.txt, row 19: point 2 is on 'Body1': must be coupled, fixed or free. Write it so, at its place.",
     ),
     (
-        "lowered", (("2     Free     3", "2     Coupled  3"),), None,
-        "lines.txt, row 24: both ends of line 1 are coupled: one must be the top, coupled (or fixed, over a free one). "
+        "lowered", (("1     CPLD ", "1     Fixed"), ("2     Free     3", "2     Fixed    3")), None,
+        "lines.txt, row 24: both ends of line 1 are fixed: one must be the top, coupled (or fixed, over a free one). "
         "Write Coupled at the end that a host moves.",
     ),
     (
@@ -237,6 +237,12 @@ def test_what_is_wrong_in_a_deck_is_told_with_its_file_and_row(changed, name, ch
     with pytest.raises(ParameterError) as refused:
         changed(name, changes, line)
     assert str(refused.value) == words
+
+
+def test_of_two_coupled_points_the_lower_one_is_a_driven_lower_end(changed):
+    scene, told = changed("lowered", (("2     Free     3", "2     Coupled  3"),))
+    assert (scene.lower_end.driven, scene.lower.position, scene.top.position) == (True, (3.0, 4.0, -390.0), (3.0, 4.0, 5.0))
+    assert "changed: point 2, Coupled: it is the lower end and stands still; give [[lower.motion]] or move it as an FMU" in told
 
 
 @pytest.mark.parametrize(
