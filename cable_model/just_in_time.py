@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_TOP, TOO_FAST
-from cable_model.kernels import exchange, header, host, host_trials, instants, ringing, top, watch
+from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
 from cable_model.kernels.jit import for_kernels
+from cable_model.kernels.path import COLUMNS, ROWS, fastest_end
 from cable_model.signals import OUTPUTS
 
 
@@ -23,12 +24,12 @@ class JustInTime:
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
         self.top_speed = 0.0
-        self._path = np.zeros((top.ROWS, top.COLUMNS))
+        self._path = np.zeros((ROWS, COLUMNS))
         self._end = np.zeros(9)
         self._room = np.zeros(host.room_size(self._numbers, len(self.state), len(OUTPUTS)))
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        top.start_ends(self._order, self._numbers, self.state, inputs)
+        ends.start_ends(self._order, self._numbers, self.state, inputs)
         status = self._equilibrium(time)
         if status == header.OK:
             watch.watch_start(self.state, inputs)
@@ -48,10 +49,10 @@ class JustInTime:
         ringing.watch_ringing(self._numbers, self.state, inputs)
         instants.watch_instants(self._numbers, self.state)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
-        top.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
+        ends.follow_inputs(self._order, self._numbers, self.state, inputs, step, self._end, self._path)
         status = self._follow(time, step) if not len(self._room) else self._find_top(time, step, inputs)
         if status == header.OK:
-            top.remember(self._order, self._numbers, self.state, inputs, step)
+            ends.remember(self._order, self._numbers, self.state, inputs, step)
         return status
 
     def _find_top(self, time: float, step: float, inputs: np.ndarray) -> int:
@@ -65,11 +66,11 @@ class JustInTime:
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
-        top.follow_ends(self._numbers, self.state, start, end, step, self._path)
+        ends.follow_ends(self._numbers, self.state, start, end, step, self._path)
         return self._follow(time, step)
 
     def _follow(self, time: float, step: float) -> int:
-        self.top_speed = top.fastest_end(self._path, step)
+        self.top_speed = fastest_end(self._path, step)
         if self.top_speed > FASTEST_TOP:
             return TOO_FAST
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)

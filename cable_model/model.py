@@ -123,7 +123,7 @@ class Model:
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
         """One communication step from `time`, with inputs (19,) held as FMI holds them: their values at the start of the step.
 
-        The ends move on by extrapolation, see kernels.top.predict; what they were off by at the start is removed smoothly.
+        The ends move on by extrapolation, see kernels.ends.predict; what they were off by at the start is removed smoothly.
         """
         inputs = self.complete(inputs)
         step = self._positive(step)

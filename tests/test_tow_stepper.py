@@ -10,7 +10,7 @@ from cable_model.effects import Parts
 from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_schemes, tow_step
 from cable_model.kernels import tow as kernels
-from cable_model.kernels.top import COLUMNS, ROWS
+from cable_model.kernels.path import COLUMNS, ROWS
 from cable_model.tow_cable import TowCable
 
 pytestmark = pytest.mark.shipped

@@ -15,7 +15,7 @@ An account is kept in the state's head; it changes no number of the model.
 
 from cable_model.kernels.chain_outputs import in_axes
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.exchange import LOWER_END, TOLD
+from cable_model.kernels.exchange import TO_LOWER, TOLD
 from cable_model.kernels.header import AUDIT, LAG, STEPS
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes
@@ -129,7 +129,7 @@ def _count(audit, parts, problem, view, state, c, time, h, before, after, ways, 
     forces = forces_at_end(parts, problem, view, state, c, time + h, h, after)
     _count_end(parts, state, FORCE, TOLD, forces.top, ways.top, faster.top, h)
     if parts.driven is not None:
-        _count_end(parts, state, LOWER_FORCE, LOWER_END + TOLD, forces.lower, ways.lower, faster.lower, h)
+        _count_end(parts, state, LOWER_FORCE, TO_LOWER + TOLD, forces.lower, ways.lower, faster.lower, h)
     state[GAP] = h
     _settle(state, h, kinetic, potential, strained, dot(lacking, lacking), acting * acting)
 

@@ -1,14 +1,15 @@
 """The finite-difference chain as a component: initialization, time steps under one stepper for both grids, outputs."""
 
 import math
-from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
+from cable_model.kernels.chain_ends import Course, closing_velocities, end_rates, ends_on, held_place, leave_plane, move_ends
 from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
+from cable_model.kernels.ends import lower_end_told
 from cable_model.kernels.error_control import (
     GROWTH,
     MOST_STEPS,
@@ -19,17 +20,16 @@ from cable_model.kernels.error_control import (
     judge,
     see_motion,
 )
-from cable_model.kernels.exchange import LOWER_END as LOWER_EXCHANGE
-from cable_model.kernels.exchange import add_averaged, begin_exchange
+from cable_model.kernels.exchange import TO_LOWER, add_averaged, begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import axes, cut, state_size, vector_at, work_size
+from cable_model.kernels.layout import cut, state_size, vector_at, work_size
+from cable_model.kernels.path import WINCH, Ends, arrival, lower_end_moves, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
-from cable_model.kernels.staggered_step import Ends, Winding, with_tolerance
-from cable_model.kernels.top import LOWER_END, UPPER_END, WINCH, arrival, leaves_plane, lower_end_moves, lower_end_told, winch_turns
-from cable_model.kernels.vector import axpy, sub
+from cable_model.kernels.staggered_step import Winding, with_tolerance
+from cable_model.kernels.vector import sub
 from cable_model.kernels.watch import open_bottom
 
 # what a model calls
@@ -46,30 +46,6 @@ TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error cont
 def _natural_step(p, cable):
     """The longest internal step, but at most the time in which the cable swings."""
     return min(p[0].solver.time_step, math.sqrt(cable.length / max(cable.gravity, 1e-3)))
-
-
-@kernel
-def _free(anchor, space, p):
-    return None
-
-
-@kernel
-def _anchored(anchor, space, p):
-    return axes(space, p[0].lower_end.x, p[0].lower_end.y, p[0].lower_end.z)
-
-
-@kernel
-def _held_there(driven, anchor, parts, p, state):
-    return _anchor(anchor, parts.space, p)
-
-
-@kernel
-def _driven_there(driven, anchor, parts, p, state):
-    return vector_at(parts, state, header.LOWER)
-
-
-_anchor = by_presence(_free, _anchored)
-_held_place = by_presence(_held_there, _driven_there)  # where the lower end is held at the start; None where nothing holds it
 
 
 @kernel
@@ -91,7 +67,7 @@ def settle(parts, p, time, state, work):
         state[header.ERROR_TIME] = time
         return header.NOT_DRIVEN
     top = vector_at(parts, state, header.TOP)
-    held = _held_place(parts.driven, parts.anchor, parts, p, state)
+    held = held_place(parts.driven, parts, p, state)
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)
     if status == header.OK:
         return status
@@ -112,11 +88,10 @@ def set_off(parts, p, time, state, work):
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
     top = vector_at(parts, state, header.TOP)
-    velocity = Ends(vector_at(parts, state, header.TOP + 3), _lower_rate(parts.driven, parts, state, 3))
-    acceleration = Ends(vector_at(parts, state, header.TOP + 6), _lower_rate(parts.driven, parts, state, 6))
     state[header.MESH_LENGTH] = problem.cable.length
     winding = winding_now(parts.winch, problem, state)
-    status = grid.starting_rates(parts.box, parts, problem, p, view, top, velocity, acceleration, winding, time)
+    velocities, accelerations = end_rates(parts, state, 3), end_rates(parts, state, 6)
+    status = grid.starting_rates(parts.box, parts, problem, p, view, top, velocities, accelerations, winding, time)
     if status != header.OK:
         return status
     for i in range(view.y.shape[0]):
@@ -126,87 +101,6 @@ def set_off(parts, p, time, state, work):
     open_audit(parts.audit, parts, problem, view, state, top)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
-
-
-class Course(NamedTuple):
-    """Where the ends and the winch go while a communication step is integrated."""
-
-    path: object
-    span: float  # s
-    bridge: object  # over the time that was pending at its start
-    pending: float  # s
-
-
-@kernel
-def _end_on(parts, course, column, time):
-    """Position and velocity of an end in the chain's dimension at `time` from the start of the communication step."""
-    x, vx, _ = followed(course.path, course.span, course.bridge, course.pending, time, column)
-    y, vy, _ = followed(course.path, course.span, course.bridge, course.pending, time, column + 1)
-    z, vz, _ = followed(course.path, course.span, course.bridge, course.pending, time, column + 2)
-    return axes(parts.space, x, y, z), axes(parts.space, vx, vy, vz)
-
-
-@kernel
-def _top_on(parts, course, time):
-    return _end_on(parts, course, UPPER_END.column, time)
-
-
-@kernel
-def _as_prescribed(held, parts, p, view, velocity, position, h):
-    return velocity
-
-
-@kernel
-def _drawn_to(held, parts, p, view, velocity, position, h):
-    """Velocity that also removes the drift between the prescribed top and its integrated position, a quarter of it within h."""
-    integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(held, parts.space, p))
-    return axpy(0.25 / h, sub(position, integrated), velocity)
-
-
-_above_seabed = by_presence(_as_prescribed, _drawn_to)
-
-
-@kernel
-def _without_anchor(anchor, parts, p, view, velocity, position, h):
-    return _above_seabed(parts.seabed, parts, p, view, velocity, position, h)
-
-
-_top_velocity = by_presence(_without_anchor, _drawn_to)  # drift arises where something below holds the cable
-
-
-@kernel
-def _at_rest(driven, parts, view, course, done, h, closing):
-    return axes(parts.space, 0.0, 0.0, 0.0)
-
-
-@kernel
-def _lower_drawn(driven, parts, view, course, done, h, closing):
-    """Velocity of a driven lower end at the end of a step of h, which also removes its drift from its prescribed place.
-
-    Where it has come to is the integrated top less all cell vectors.
-    """
-    prescribed, _ = _end_on(parts, course, LOWER_END.column, done)
-    _, velocity = _end_on(parts, course, LOWER_END.column, done + h)
-    at = grid.held_top(parts.box, parts.inextensible, view, prescribed)
-    for i in range(view.mesh.shape[0]):
-        at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
-    return axpy(0.25 / closing, sub(prescribed, at), velocity)
-
-
-_lower_velocity = by_presence(_at_rest, _lower_drawn)
-
-
-@kernel
-def _stands(driven, parts, state, k):
-    return axes(parts.space, 0.0, 0.0, 0.0)
-
-
-@kernel
-def _lower_moves(driven, parts, state, k):
-    return vector_at(parts, state, header.LOWER + k)
-
-
-_lower_rate = by_presence(_stands, _lower_moves)  # velocity (k = 3) or acceleration (6) of the lower end at the start
 
 
 @kernel
@@ -248,43 +142,25 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, le
     yd0, yd, ydd = view.yd0.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
     for i in range(size):
         yd0[i] = yd[i] + shift * ydd[i]
-    before, _ = _top_on(parts, course, done)
-    after, velocity = _top_on(parts, course, done + h)
-    closing = max(h, FADING * state[header.DRIFT_STEP], least)
-    top_velocity = _top_velocity(parts.anchor, parts, p, view, velocity, before, closing)
-    ends = Ends(top_velocity, _lower_velocity(parts.driven, parts, view, course, done, h, closing))
-    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before, after, ends, winding)
-
-
-@kernel
-def _no_changes(driven, parts, course, done, h):
-    still = axes(parts.space, 0.0, 0.0, 0.0)
-    return still, still
-
-
-@kernel
-def _changes(driven, parts, course, done, h):
-    before, slower = _end_on(parts, course, LOWER_END.column, done)
-    after, faster = _end_on(parts, course, LOWER_END.column, done + h)
-    return sub(after, before), sub(faster, slower)
-
-
-_lower_changes = by_presence(_no_changes, _changes)  # of place and velocity of the lower end in a step
+    before, _ = ends_on(parts, course, done)
+    after, velocities = ends_on(parts, course, done + h)
+    velocities = closing_velocities(parts, p, view, velocities, before, max(h, FADING * state[header.DRIFT_STEP], least))
+    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before.top, after.top, velocities, winding)
 
 
 @kernel
 def _count(parts, problem, view, state, c, time, course, done, h):
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
-    before, slower = _top_on(parts, course, done)
-    after, faster = _top_on(parts, course, done + h)
-    lower_way, lower_gain = _lower_changes(parts.driven, parts, course, done, h)
-    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
+    before, slower = ends_on(parts, course, done)
+    after, faster = ends_on(parts, course, done + h)
+    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before.top, after.top, winding)
     late, gap = (0.5 - c.alpha_k) * h, h - c.alpha_k * h + state[header.LAG]
     middle = add_averaged(0, state, in_axes(parts.space, force.top, 0.0), late, gap, h, done, course.span)
     if parts.driven is not None:
-        add_averaged(LOWER_EXCHANGE, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
-    ways, gained = Ends(sub(after, before), lower_way), Ends(sub(faster, slower), lower_gain)
-    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, ways, gained, middle)
+        add_averaged(TO_LOWER, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
+    ways = Ends(sub(after.top, before.top), sub(after.lower, before.lower))
+    gained = Ends(sub(faster.top, slower.top), sub(faster.lower, slower.lower))
+    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before.top, after.top, ways, gained, middle)
 
 
 @kernel
@@ -309,9 +185,9 @@ def _local_error(parts, problem, view, state, c, time, course, done, h):
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
     share, reach = (first, 0.0) if first > 1e-12 else (second, h)
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
-    before, _ = _top_on(parts, course, done)
-    after, _ = _top_on(parts, course, done + h)
-    miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before, after, winding)
+    before, _ = ends_on(parts, course, done)
+    after, _ = ends_on(parts, course, done + h)
+    miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before.top, after.top, winding)
     return share * miss, moving
 
 
@@ -338,16 +214,6 @@ def _winch_refused(winch, path, length):
 
 
 @kernel
-def _leaves_plane(space, driven, path, state, length):
-    if space is not None:
-        return False
-    y = state[header.TOP + 1]
-    if driven is not None and leaves_plane(path, y, length, LOWER_END):
-        return True
-    return leaves_plane(path, y, length, UPPER_END)
-
-
-@kernel
 def advance(parts, p, time, span, path, state, work):
     """Integrate over [time, time + span] while the ends follow `path`; internal steps are the chain's own.
 
@@ -364,7 +230,7 @@ def advance(parts, p, time, span, path, state, work):
     if parts.driven is None and lower_end_moves(path):
         state[header.ERROR_TIME] = time
         return header.NOT_DRIVEN
-    if _leaves_plane(parts.space, parts.driven, path, state, problem.cable.length):
+    if leave_plane(parts, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
@@ -468,20 +334,4 @@ def _go_on(parts, problem, view, state, time, span, path):
     state[header.WINCH_SPEED] = speed
     state[header.WINCH_ACCELERATION] = acceleration
     state[header.TIME] = time + span
-    for k in range(3):
-        position, velocity, acceleration = arrival(path, k)
-        state[header.TOP + k] = position
-        state[header.TOP + 3 + k] = velocity
-        state[header.TOP + 6 + k] = acceleration
-    _move_lower(parts.driven, path, state)
-
-
-@kernel
-def _move_lower(driven, path, state):
-    if driven is None:
-        return
-    for k in range(3):
-        position, velocity, acceleration = arrival(path, LOWER_END.column + k)
-        state[header.LOWER + k] = position
-        state[header.LOWER + 3 + k] = velocity
-        state[header.LOWER + 6 + k] = acceleration
+    move_ends(parts, path, state)

@@ -5,7 +5,7 @@ Over time that waits (pending.py) nothing is integrated: the force that the outp
 the waiting finds to be wrong with it is told afterwards, over no less than an internal step.  The sum of mean times step over all
 communication steps is then the impulse so far, but for what is still owed.
 
-The numbers of a driven lower end lie LOWER_END after those of the top; `end` in what follows is 0 or LOWER_END.
+The numbers of a driven lower end lie TO_LOWER after those of the top; `end` in what follows is 0 or TO_LOWER.
 """
 
 from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, LOWER_EXCHANGE, LOWER_WATCH, PENDING, STEP, STEPS
@@ -19,7 +19,7 @@ LAST = EXCHANGE + 12  # force at the averaged time of the last internal step, N
 TOLD = EXCHANGE + 15  # force at the end of the last communication step, N
 NEXT = EXCHANGE + 18  # force for a host to hold over the next communication step, N: that told, or with host.mass what host.py foretells
 GROWTH = EXCHANGE + 21  # rate at which the exchange feeds a ringing, 1/s; see ringing.py
-LOWER_END = LOWER_EXCHANGE - EXCHANGE
+TO_LOWER = LOWER_EXCHANGE - EXCHANGE
 MEANS = 18  # of the outputs, the first of three
 LOWER_FORCES, LOWER_MEANS = 27, 30  # likewise
 
@@ -28,7 +28,7 @@ LOWER_FORCES, LOWER_MEANS = 27, 30  # likewise
 def begin_exchange(state):
     for k in range(3):
         state[IMPULSE + k] = 0.0
-        state[LOWER_END + IMPULSE + k] = 0.0
+        state[TO_LOWER + IMPULSE + k] = 0.0
 
 
 @kernel
@@ -67,8 +67,8 @@ def start_exchange(state, outputs):
         state[MEAN + k] = outputs[k]
         state[TOLD + k] = outputs[k]
         state[NEXT + k] = outputs[k]
-        state[LOWER_END + MEAN + k] = outputs[LOWER_FORCES + k]
-        state[LOWER_END + TOLD + k] = outputs[LOWER_FORCES + k]
+        state[TO_LOWER + MEAN + k] = outputs[LOWER_FORCES + k]
+        state[TO_LOWER + TOLD + k] = outputs[LOWER_FORCES + k]
     tell_exchange(state, outputs)
 
 
@@ -97,7 +97,7 @@ def end_exchange(p, state, span, outputs):
     for k in range(3):
         state[NEXT + k] = outputs[k]
     if p[0].lower_end.driven > 0.0:
-        _settle(LOWER_END, state, span, share, outputs[LOWER_FORCES : LOWER_FORCES + 3])
+        _settle(TO_LOWER, state, span, share, outputs[LOWER_FORCES : LOWER_FORCES + 3])
     tell_exchange(state, outputs)
 
 
@@ -106,7 +106,7 @@ def tell_exchange(state, outputs):
     """The mean forces, the growth and the force to be held that the state has, and what its audit says."""
     for k in range(3):
         outputs[MEANS + k] = state[MEAN + k]
-        outputs[LOWER_MEANS + k] = state[LOWER_END + MEAN + k]
+        outputs[LOWER_MEANS + k] = state[TO_LOWER + MEAN + k]
         outputs[MEANS + 6 + k] = state[NEXT + k]
     outputs[MEANS + 3] = state[GROWTH]
     outputs[MEANS + 4] = state[AUDIT]

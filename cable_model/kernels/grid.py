@@ -7,10 +7,10 @@ from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
+from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.slack import limited
-from cable_model.kernels.staggered_step import Ends
 from cable_model.kernels.vector import axpy, load, mix, unit
 
 

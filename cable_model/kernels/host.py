@@ -12,10 +12,11 @@ Then the step after this one is tried in the same way: its mean force is foretol
 host was not told.  So the sum of force told times step is the cable's impulse, but for that of one step.
 """
 
+from cable_model.kernels.ends import NEAR, horizon
 from cable_model.kernels.exchange import MEANS, NEXT, TOLD, tell_exchange
 from cable_model.kernels.header import HOST, PAID_OUT, SHORTEST, TOP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import ARRIVAL, LOWER_END, NEAR, go_on, horizon, wind
+from cable_model.kernels.path import ARRIVAL, LOWER_END, go_on, wind
 
 # in the state; three numbers each where they are vectors
 KNOWN = HOST  # 0 before the first step; then 1, and 1 more for each mean of the outer force that is known, up to 3

@@ -9,8 +9,8 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
+from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
-from cable_model.kernels.top import COLUMNS, PATH, ROWS
 
 
 class View(NamedTuple):

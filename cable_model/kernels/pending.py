@@ -25,7 +25,7 @@ from cable_model.kernels.header import (
     WINCH_SPEED,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import LOWER_END, UPPER_END, arrival, evaluate, quintic, wind_between
+from cable_model.kernels.path import LOWER_END, UPPER_END, arrival, evaluate, quintic, wind_between
 
 SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
 

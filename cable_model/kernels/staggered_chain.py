@@ -4,11 +4,12 @@ from cable_model.kernels import header
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
-from cable_model.kernels.staggered_step import Ends, Gains, Winding, average, hold_anchor, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, unit, zero
 

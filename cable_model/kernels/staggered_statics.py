@@ -8,11 +8,12 @@ from cable_model.kernels.easing import BLUNT, LEAST_BLUNT, eased
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import body_mass, body_weight, total_weight
 from cable_model.kernels.seabed import lay_out
 from cable_model.kernels.staggered_chain import unwound
 from cable_model.kernels.staggered_guess import refine, rest
-from cable_model.kernels.staggered_step import Ends, cut_scratch, keep_tensions, newton_step
+from cable_model.kernels.staggered_step import cut_scratch, keep_tensions, newton_step
 from cable_model.kernels.vector import load, norm, store, zero
 
 PLAIN_STEPS = 150  # pseudo-steps with the laws as they are, before they are eased

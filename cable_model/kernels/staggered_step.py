@@ -59,13 +59,6 @@ def with_tolerance(problem, tolerance, rounding):
     return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
-class Ends(NamedTuple):
-    """A vector at the top, and at a held lower end."""
-
-    top: object
-    lower: object
-
-
 class Winding(NamedTuple):
     """How the cable's length changes at the averaged time."""
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 from cable_model.kernels.exchange import tell_exchange
 from cable_model.kernels.header import HEADER, NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.path import PATH
 from cable_model.kernels.problem import body_part, cable_part, displaced_area, total_weight
-from cable_model.kernels.top import PATH
 from cable_model.kernels.tow_water import added_masses, body_water, cable_water, turned
 
 ANGLE = HEADER  # phi

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import evaluate
+from cable_model.kernels.path import evaluate
 from cable_model.kernels.tow import accelerations, excess_tension
 from cable_model.kernels.tow_space import derivative_in_space
 from cable_model.kernels.vector import add, add_matrix, apply, axpy, diagonal, scale, scale_matrix

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from cable_model.kernels.exchange import tell_exchange
 from cable_model.kernels.header import NEWTON, PENDING, REJECTED, STEPS, TIME, TOP
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.top import evaluate
+from cable_model.kernels.path import evaluate
 from cable_model.kernels.tow import (
     STATE,
     STRETCH,

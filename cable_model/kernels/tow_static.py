@@ -4,10 +4,10 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
+from cable_model.kernels.ends import lower_end_told
 from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, NOT_DRIVEN, OK, OUT_OF_PLANE, SHORTEST, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
-from cable_model.kernels.top import lower_end_told
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
 from cable_model.kernels.tow_space import STATE_IN_SPACE, node_positions_in_space
 from cable_model.kernels.tow_static_space import hang_in_space

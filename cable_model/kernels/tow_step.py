@@ -26,21 +26,10 @@ from cable_model.kernels.header import (
     STEPS,
     TIME,
     TOO_MANY_STEPS,
-    TOP,
 )
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.path import COLUMNS, PATH, ROWS, UPPER_END, arrival, arrive, leaves_plane, lower_end_moves, quintic, winch_turns
 from cable_model.kernels.pending import is_short, wait
-from cable_model.kernels.top import (
-    COLUMNS,
-    PATH,
-    ROWS,
-    UPPER_END,
-    arrival,
-    leaves_plane,
-    lower_end_moves,
-    quintic,
-    winch_turns,
-)
 from cable_model.kernels.tow import (
     ANGLE,
     ANGLE_RATE,
@@ -234,12 +223,6 @@ def join(path, h, state, end, whole):
 
 
 @kernel
-def move_top(path, state):
-    for k in range(3):
-        state[TOP + k], state[TOP + 3 + k], state[TOP + 6 + k] = arrival(path, k)
-
-
-@kernel
 def advance(parts, p, time, h, path, state, work):
     """Integrate over [time, time + h] while the top follows `path`; returns a status, and leaves the state alone unless it is OK.
 
@@ -252,7 +235,7 @@ def advance(parts, p, time, h, path, state, work):
         return failed(status, state, time, 0.0)
     if is_short(state, state[PENDING] + h, 0.0):
         wait(state, h, path)
-        move_top(path, state)
+        arrive(UPPER_END, path, state)
         state[TIME] = time + h
         return OK
     y, frame = motion_of(parts.space, state)
@@ -357,7 +340,7 @@ def advance(parts, p, time, h, path, state, work):
     state[NEWTON] += newton
     state[REJECTED] += rejected
     state[EVALUATIONS] += evaluations
-    move_top(path, state)
+    arrive(UPPER_END, path, state)
     return OK
 
 

@@ -6,18 +6,19 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 
 import math
 
+from cable_model.kernels.ends import horizon
 from cable_model.kernels.fluid import current_velocity, flows
 from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH, PENDING, STEP, STEPS, TOP, WATCH
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
-from cable_model.kernels.top import LOWER_END, UPPER_END, horizon
 from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
 BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION = range(14, 22)
-# of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie LOWER after them: `end` in what follows is 0 or LOWER
-LOWER = LOWER_WATCH - WATCH
+# of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
+TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
 SPAN = WATCH + 9  # its length, s; 0 before the first
 FASTEST = WATCH + 10  # speed of the end so far, m/s
@@ -82,7 +83,7 @@ def watch_start(state, inputs):
         state[k] = 0.0
     for k in range(9):
         state[LAST + k] = inputs[k]
-        state[LOWER + LAST + k] = inputs[LOWER_END.given + k]
+        state[TO_LOWER + LAST + k] = inputs[LOWER_END.given + k]
 
 
 @kernel
@@ -90,7 +91,7 @@ def watch_inputs(order, p, state, inputs, step):
     """Compare the inputs (19,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
     if p[0].lower_end.driven > 0.0:
-        _watch_end(LOWER_END, LOWER, LOWER_JUMP, order, p, state, inputs, step)
+        _watch_end(LOWER_END, TO_LOWER, LOWER_JUMP, order, p, state, inputs, step)
     state[SPAN] = step
 
 
@@ -162,7 +163,7 @@ def _watch_motion(which, end, jump, order, p, state, given, step):
     stretched = p[0].cable.axial_stiffness / p[0].cable.length * whole / 8.0
     kick = min(max(impedance, stretched), mass / whole) * math.sqrt(missed)
     inertia = mass * math.sqrt(state[end + RATES] / moving)
-    leads = p[0].top.inputs_at == 0.0 and (end == LOWER or p[0].host.mass == 0.0)
+    leads = p[0].top.inputs_at == 0.0 and (end == TO_LOWER or p[0].host.mass == 0.0)
     if leads and kick > max(KICK * inertia, FEWEST * mass * GRAVITY):
         state[end + MISSING] += before
         rates_differ = state[DOUBT + 2 * (jump + 1)] + state[DOUBT + 2 * (jump + 2)] > 0.0

@@ -163,7 +163,8 @@ def _entry(kernels: Any, variant: Variant) -> Any:
 
     from cable_model.calls import FASTEST_TOP, TOO_FAST
     from cable_model.effects import Parts
-    from cable_model.kernels import exchange, header, host, host_trials, instants, ringing, top, watch
+    from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
+    from cable_model.kernels.path import fastest_end
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
@@ -195,14 +196,14 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         in_space = parts.space is not None
         tries = what == STEP and room.shape[0] > 0
         if what == START:
-            top.start_ends(order, numbers, state, inputs)
+            ends.start_ends(order, numbers, state, inputs)
         elif what == STEP:
             ringing.watch_ringing(numbers, state, inputs)
             instants.watch_instants(numbers, state)
             watch.watch_inputs(order, numbers, state, inputs, step)
-            top.follow_inputs(order, numbers, state, inputs, step, end, path)
+            ends.follow_inputs(order, numbers, state, inputs, step, end, path)
         elif what == ADVANCE:
-            top.follow_ends(numbers, state, inputs, end, step, path)
+            ends.follow_ends(numbers, state, inputs, end, step, path)
         if tries:
             host_trials.begin_trials(in_space, numbers, time, step, state, outputs, inputs, room, path)
         status = again
@@ -214,7 +215,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif what != OUTPUTS:
-                outputs[0] = top.fastest_end(path, step)
+                outputs[0] = fastest_end(path, step)
                 status = TOO_FAST
                 if outputs[0] <= FASTEST_TOP:
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
@@ -227,7 +228,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             if tries:
                 status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
         if status == ok and what == STEP:
-            top.remember(order, numbers, state, inputs, step)
+            ends.remember(order, numbers, state, inputs, step)
         return status
 
     return entry

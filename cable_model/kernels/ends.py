@@ -1,165 +1,13 @@
-"""The prescribed path of the cable's ends within one communication step: a quintic polynomial per axis, continuous to the acceleration.
-
-`path` is (9, 7): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
-the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z of the top, the length of cable that
-the winch has paid out, a parabola (its speed changes linearly), and x, y, z of a driven lower end.
-"""
+"""How the inputs of communication steps move the ends of the cable, and its winch: paths through them, and beyond them."""
 
 import math
-from typing import NamedTuple
 
-from cable_model.kernels.header import (
-    CLOSING,
-    INPUT_STEPS,
-    INPUTS,
-    LOWER,
-    PAID_OUT,
-    SHORTEST,
-    STEP,
-    TOP,
-    WINCH_ACCELERATION,
-    WINCH_SPEED,
-)
+from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, STEP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.path import ARRIVAL, COLUMNS, LOWER_END, UPPER_END, WINCH, quintic, shorten, wind
 
-WINCH = 3  # column of the path, and of the inputs that are kept
-ROWS, COLUMNS = 9, 7
-PATH = ROWS * COLUMNS  # numbers of a path
-ARRIVAL = 6  # first row of where it ends
 KEPT = 4  # inputs, see header.INPUTS
-
-
-class End(NamedTuple):
-    """An end of the cable that is moved: where its numbers are."""
-
-    column: int  # x in the path, and in the inputs that are kept
-    given: int  # x in the inputs
-    motion: int  # position, velocity and acceleration now, in the state's head
-
-
-UPPER_END, LOWER_END = End(0, 0, TOP), End(4, 10, LOWER)
 NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
-
-
-@kernel
-def quintic(start, end, h, path, column):
-    """Path from `start` to `end`, (9,) each: position, velocity, acceleration at both ends of a step of h; into three columns."""
-    for k in range(3):
-        j = column + k
-        p0 = start[k]
-        v0 = start[3 + k] * h
-        a0 = 0.5 * start[6 + k] * h * h
-        gap = end[k] - p0 - v0 - a0
-        gap_v = end[3 + k] * h - v0 - 2.0 * a0
-        gap_a = end[6 + k] * h * h - 2.0 * a0
-        path[0, j] = p0
-        path[1, j] = v0
-        path[2, j] = a0
-        path[3, j] = 10.0 * gap - 4.0 * gap_v + 0.5 * gap_a
-        path[4, j] = -15.0 * gap + 7.0 * gap_v - gap_a
-        path[5, j] = 6.0 * gap - 3.0 * gap_v + 0.5 * gap_a
-        for i in range(3):
-            path[ARRIVAL + i, j] = end[3 * i + k]
-
-
-@kernel
-def wind(paid_out, speed, end_speed, h, path):
-    """The winch's column of the path, from its speeds at both ends of a step of h."""
-    path[0, WINCH] = paid_out
-    path[1, WINCH] = speed * h
-    path[2, WINCH] = 0.5 * (end_speed - speed) * h
-    path[3, WINCH] = 0.0
-    path[4, WINCH] = 0.0
-    path[5, WINCH] = 0.0
-    path[ARRIVAL, WINCH] = paid_out + 0.5 * (speed + end_speed) * h
-    path[ARRIVAL + 1, WINCH] = end_speed
-    path[ARRIVAL + 2, WINCH] = (end_speed - speed) / h
-
-
-@kernel
-def wind_between(paid_out, speed, end_paid_out, h, path):
-    """The same from the length paid out at both ends and the speed at the start."""
-    wind(paid_out, speed, 2.0 * (end_paid_out - paid_out) / h - speed, h, path)
-
-
-@kernel
-def go_on(state, which, h, path):
-    """The path of an end over a step of h under the acceleration that it has."""
-    for k in range(3):
-        j, at = which.column + k, which.motion + k
-        position, velocity, acceleration = state[at], state[at + 3], state[at + 6]
-        path[0, j] = position
-        path[1, j] = h * velocity
-        path[2, j] = 0.5 * h * h * acceleration
-        for i in range(3, ARRIVAL):
-            path[i, j] = 0.0
-        path[ARRIVAL, j] = path[0, j] + path[1, j] + path[2, j]
-        path[ARRIVAL + 1, j] = velocity + h * acceleration
-        path[ARRIVAL + 2, j] = acceleration
-
-
-@kernel
-def winch_turns(path):
-    return path[1, WINCH] != 0.0 or path[2, WINCH] != 0.0
-
-
-@kernel
-def evaluate(path, h, s, k):
-    """Position, velocity and acceleration of axis k at the fraction s of a step of h."""
-    c = path[:, k]
-    position = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
-    velocity = (c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))) / h
-    acceleration = (2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))) / (h * h)
-    return position, velocity, acceleration
-
-
-@kernel
-def arrival(path, k):
-    """Position, velocity and acceleration of axis k at the end of a path."""
-    return path[ARRIVAL, k], path[ARRIVAL + 1, k], path[ARRIVAL + 2, k]
-
-
-@kernel
-def lower_end_told(state):
-    """Whether the start values of inputs place or move the lower end."""
-    largest = 0.0
-    for k in range(LOWER_END.motion, LOWER_END.motion + 9):
-        largest = max(largest, abs(state[k]))
-    return largest > 0.0
-
-
-@kernel
-def leaves_plane(path, y, length, which):
-    """Whether an end departs from the vertical plane at y by more than rounding of a motion in a scene of that length."""
-    drift = abs(path[0, which.column + 1] - y)
-    for i in range(1, 6):
-        drift += abs(path[i, which.column + 1])
-    return drift > 1e-9 * (length + abs(y))
-
-
-@kernel
-def lower_end_moves(path):
-    """Whether inputs place or move the lower end; a path that drives none has just what they are where it ends."""
-    for i in range(ARRIVAL, ROWS):
-        for k in range(LOWER_END.column, COLUMNS):
-            if path[i, k] != 0.0:
-                return True
-    return False
-
-
-@kernel
-def _mean_speed(path, column, h):
-    """Distance between where a path begins and where it ends over the time h between them."""
-    square = 0.0
-    for k in range(column, column + 3):
-        square += (path[1, k] + path[2, k] + path[3, k] + path[4, k] + path[5, k]) ** 2
-    return math.sqrt(square) / h
-
-
-@kernel
-def fastest_end(path, h):
-    """The larger of both ends' mean speeds on a path."""
-    return max(_mean_speed(path, UPPER_END.column, h), _mean_speed(path, LOWER_END.column, h))
 
 
 @kernel
@@ -337,19 +185,7 @@ def _lead_on(driven, order, state, inputs, h, end, path):
         ahead = (inputs[9] - state[INPUTS + COLUMNS * newest + WINCH]) * whole / age
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, whole, path)
     if whole > h:
-        _shorten(path, h / whole, h)
-
-
-@kernel
-def _shorten(path, share, h):
-    """Keep the first part, a time of h, of a path."""
-    power = share
-    for i in range(1, ARRIVAL):
-        for k in range(path.shape[1]):
-            path[i, k] *= power
-        power *= share
-    for k in range(path.shape[1]):
-        path[ARRIVAL, k], path[ARRIVAL + 1, k], path[ARRIVAL + 2, k] = evaluate(path, h, 1.0, k)
+        shorten(path, h / whole, h)
 
 
 @kernel
@@ -399,3 +235,12 @@ def start_ends(order, p, state, inputs):
         _keep_newest(order, state, inputs)
     state[CLOSING] = 0.0
     state[SHORTEST] = 0.0
+
+
+@kernel
+def lower_end_told(state):
+    """Whether the start values of inputs place or move the lower end."""
+    largest = 0.0
+    for k in range(LOWER_END.motion, LOWER_END.motion + 9):
+        largest = max(largest, abs(state[k]))
+    return largest > 0.0
