@@ -141,6 +141,10 @@ class Model:
         self._calls.positions(at)
         return at
 
+    def tensions(self) -> np.ndarray | None:
+        """Tensions (n - 1,) of the cells between these positions, N; None where the model tells those of its ends only."""
+        return None
+
     def _shape_points(self) -> int:
         return self.scene.solver.nodes
 

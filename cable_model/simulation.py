@@ -22,6 +22,9 @@ from cable_model.signals import INPUTS, OUTPUTS
 class Result:
     """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
+    `shapes` are positions of the cable from the lower end to the top, m, and `tensions` (rows, points - 1) those of the cells between them,
+    N; None where a model tells those of its ends only (TowCable, the box grid), or the result is not of a model.
+
     `warnings` say what is doubtful about it, `audit` how well its balances close, where it was audited.
     """
 
@@ -30,6 +33,7 @@ class Result:
     shapes: np.ndarray
     warnings: tuple[str, ...] = ()
     audit: Audit | None = None
+    tensions: np.ndarray | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.table[:, self.columns.index(name)]
@@ -127,6 +131,7 @@ def simulate(
     motion = motion or motion_of(scene)
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
+    tensions: list[np.ndarray | None] = []
     impulse = np.zeros(len(_MEANS))
 
     def advance(time: float, length: float, first: np.ndarray, last: np.ndarray) -> None:
@@ -139,11 +144,14 @@ def simulate(
         impulse[:] = 0.0
         rows.append(row)
         shapes.append(model.positions())
+        tensions.append(model.tensions())
         if keep is not None:
             keep(row)
 
-    def told() -> tuple[str, ...]:
-        return *model.warnings(), *under_a_given_motion(scene)
+    def result() -> Result:
+        along = None if tensions[0] is None else np.array(tensions)
+        told = (*model.warnings(), *under_a_given_motion(scene))
+        return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, along)
 
     start = motion(0.0, 1)
     model.initialize(start)
@@ -155,5 +163,5 @@ def simulate(
             if progress is not None:
                 progress(output.end)
     except SolverError as error:
-        raise RunStopped(str(error), Result(COLUMNS, np.array(rows), np.array(shapes), told(), model.audit)) from error
-    return Result(COLUMNS, np.array(rows), np.array(shapes), told(), model.audit)
+        raise RunStopped(str(error), result()) from error
+    return result()
