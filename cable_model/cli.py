@@ -1,4 +1,4 @@
-"""The command line: run, plot, describe, compare, check; study, advise and sweep are in cli_studies, import in cli_import."""
+"""The command line: run, plot, view, describe, compare, check; study, advise and sweep are in cli_studies, import in cli_import."""
 
 from __future__ import annotations
 
@@ -157,6 +157,41 @@ def plot(
     results = {name: run_with_progress(MODELS[name](its)) for name, its in _models_with_scenes(model, loaded).items()}
     picture({type_name(name): r for name, r in results.items()}, loaded.title, target)
     say(f"wrote {target}")
+
+
+@app.command()
+def view(
+    scene: SceneArgument,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="page (.html)")] = None,
+    model: Annotated[Choice, typer.Option(help="chain, tow or both, in one picture")] = Choice.both,
+    movie: Annotated[Path | None, typer.Option(help="also a moving picture, .gif or .mp4")] = None,
+) -> None:
+    """Simulate a scene and write a page on which the cable can be watched."""
+    from cable_model.movie import check_movie, write_movie
+    from cable_model.page import check_page, write_page
+
+    if Path(scene).suffix.lower() == ".csv":
+        raise ParameterError(f"{scene}: a table of results has no shapes of the cable. Give the scene that it is of.")
+    loaded = load_scene(scene)
+    target = output or Path("results") / f"{Path(scene).stem}.html"
+    check_page(target)  # before minutes are spent
+    if movie is not None:
+        check_movie(movie)
+    results: dict[str, Result] = {}
+    stopped: list[RunStopped] = []
+    for name, its in _models_with_scenes(model, loaded).items():
+        try:
+            results[type_name(name)] = run_with_progress(MODELS[name](its))
+        except RunStopped as stop:
+            results[type_name(name)] = stop.result
+            stopped.append(stop)
+    write_page(results, loaded, target, [str(stop) for stop in stopped])
+    say(f"wrote {target}")
+    if movie is not None:
+        write_movie(results, loaded, movie)
+        say(f"wrote {movie}")
+    if stopped:
+        raise stopped[0]
 
 
 def type_name(model: str) -> str:

@@ -16,6 +16,7 @@ from cable_model.simulation import Result
 
 COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
 STYLES = ("-", "--", "-.", ":")
+SEA, SEABED, GREY = "#3f8fcb", "#b08d55", "#6b7580"
 
 
 def check_kind(path: Path) -> None:

@@ -7,7 +7,7 @@ from cable_model.model import Model
 from fmu_src import quick_start
 from fmu_src.build import main as build
 
-QUICK = ("run", "plot")  # the others measure the kernels that numba compiles for a scene, or have processes of their own
+QUICK = ("run", "plot", "view")  # the others measure the kernels that numba compiles for a scene, or have processes of their own
 
 
 def main() -> None:

@@ -1,0 +1,163 @@
+"""What a moving picture of runs shows: few enough moments and points, the water's surface and the seabed around them, one box in space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from cable_model.scene import Scene
+from cable_model.sea import components
+from cable_model.simulation import Result
+
+MOST_POINTS = 101  # along a cable
+MOST_PLACES = 240  # of the surface at a moment
+PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
+WIDTH = 0.25  # of the box's longest side: what a side has at least
+NEAR = 1.0  # of the longest side: how far from the cable water's surface and seabed still belong in the picture
+
+
+@dataclass(frozen=True)
+class Moving:
+    """One model's cable at moments: places (moments, points, 3), m, lower end first, and tensions (moments, points), N, where told."""
+
+    run: Result
+    places: np.ndarray
+    tensions: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The water's surface: places x (k,), y (m,), and heights (moments, m, k), or (1, m, k) where it is still, m."""
+
+    x: np.ndarray
+    y: np.ndarray
+    heights: np.ndarray
+
+    @property
+    def moves(self) -> bool:
+        return len(self.heights) > 1
+
+    def at(self, k: int) -> np.ndarray:
+        """Heights (m, k) at a moment."""
+        heights: np.ndarray = self.heights[k if self.moves else 0]
+        return heights
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Runs of one scene at common moments (k,), s, in the box between two corners (3,), m; what is None is absent or far away."""
+
+    times: np.ndarray
+    cables: dict[str, Moving]
+    low: np.ndarray
+    high: np.ndarray
+    surface: Surface | None
+    seabed: float | None
+
+    @property
+    def size(self) -> float:
+        """The longest side, m."""
+        return float(np.max(self.high - self.low))
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Time series of a run on one axis: its label, and lines by their names, (rows,) each."""
+
+    label: str
+    lines: dict[str, np.ndarray]
+
+
+def is_held(scene: Scene) -> bool:
+    """Whether the lower end stays where it is."""
+    return scene.lower_end.anchored and not scene.lower_end.released
+
+
+def panels(run: Result, scene: Scene) -> tuple[Panel, Panel, Panel]:
+    """What tells most about a run: the tension above, that below or, of a free end, its speed, and where the end that moves is."""
+    below = Panel(f"tension at the {'anchor' if is_held(scene) else 'body'} [N]", {"": run["body.tension"]})
+    if not is_held(scene) and scene.body.mass == 0.0:
+        below = Panel("speed of the free end [m/s]", {"": np.sqrt(sum(run[f"body.v{axis}"] ** 2 for axis in "xyz"))})
+    end, word = ("top", "top") if is_held(scene) else ("body", "lower end")
+    axes = "xyz" if scene.solver.space else "xz"
+    moved = {axis: run[f"{end}.{axis}"] - run[f"{end}.{axis}"][0] for axis in axes}
+    return Panel("top tension [N]", {"": run["top.tension"]}), below, Panel(f"{word} from its start [m]", moved)
+
+
+def evenly(count: int, most: int) -> np.ndarray:
+    """At most `most` indices of `count`, evenly spread, the first and the last among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+
+
+def keeping_peaks(series: np.ndarray, most: int) -> np.ndarray:
+    """At most `most` indices of a series: the smallest and the largest value of each of equal parts, so that no peak is lost."""
+    if len(series) <= most:
+        return np.arange(len(series))
+    parts = np.array_split(np.arange(len(series)), most // 2)
+    return np.unique([part[pick(series[part])] for part in parts for pick in (np.argmin, np.argmax)])
+
+
+def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> Picture:
+    """The picture of one or more runs of a scene; a run that stopped early stays where it stopped."""
+    longest = max(results.values(), key=lambda run: len(run.table))
+    moments = evenly(len(longest.table), most_moments)
+    times = longest["time"][moments]
+    cables = {label: _thinned(run, moments) for label, run in results.items()}
+    low = np.min([moving.places.min(axis=(0, 1)) for moving in cables.values()], axis=0)
+    high = np.max([moving.places.max(axis=(0, 1)) for moving in cables.values()], axis=0)
+    reach = NEAR * float(np.max(high - low))
+    wet = scene.water is not None and scene.water.surface
+    seabed = scene.seabed.level if scene.seabed.stiffness > 0.0 and scene.seabed.level > low[2] - reach else None
+    near = wet and low[2] - reach < 0.0 < high[2] + reach
+    levels = [low[2], high[2], *([seabed] if seabed is not None else []), *([0.0] if near else [])]
+    low[2], high[2] = min(levels), max(levels)
+    low, high = _roomy(low, high)
+    surface = _surface(scene, times, low, high) if near else None
+    if surface is not None:
+        low[2], high[2] = min(low[2], surface.heights.min()), max(high[2], surface.heights.max())
+    return Picture(times, cables, low, high, surface, seabed)
+
+
+def _thinned(run: Result, moments: np.ndarray) -> Moving:
+    rows = np.minimum(moments, len(run.table) - 1)
+    points = evenly(run.shapes.shape[1], MOST_POINTS)
+    tensions = None
+    if run.tensions is not None:
+        cells = run.tensions[rows]
+        inner = 0.5 * (cells[:, 1:] + cells[:, :-1])
+        tensions = np.column_stack((run["body.tension"][rows], inner, run["top.tension"][rows]))[:, points]
+    return Moving(run, run.shapes[rows][:, points], tensions)
+
+
+def _roomy(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The box with some air, and no side of it so short that a plane motion would be shown in a slit."""
+    longest = float(np.max(high - low))
+    half = np.maximum(0.5 * (high - low) + 0.03 * longest, 0.5 * WIDTH * longest)
+    middle = 0.5 * (low + high)
+    return middle - half, middle + half
+
+
+def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray) -> Surface:
+    """The waves as the kernels have them; the still level where there are none, or too short ones for the places at hand."""
+    still = Surface(np.array([low[0], high[0]]), np.array([low[1], high[1]]), np.zeros((1, 2, 2)))
+    waves = components(scene.waves, scene.environment.gravity, scene.water.depth) if scene.water is not None else None
+    if waves is None:
+        return still
+    steepness = (waves[:, 0] * waves[:, 2]) ** 2
+    length = 2.0 * math.pi * math.sqrt(np.sum(waves[:, 0] ** 2) / np.sum(steepness))
+    across, along = (1 + math.ceil(PER_WAVE * (high[k] - low[k]) / length) for k in (1, 0))
+    x = np.linspace(low[0], high[0], max(along, 13))
+    y = np.linspace(low[1], high[1], max(across, 13) if scene.solver.space else 2)
+    if len(x) * len(y) > MOST_PLACES:
+        return still
+    from cable_model.kernels.waves import elevation  # imports numba
+
+    def height(at_x: float, at_y: float, time: float) -> float:
+        place = (at_x, at_y, 0.0) if scene.solver.space else (at_x, 0.0)
+        return float(elevation(waves, place, time)[0])
+
+    heights = np.array([[[height(at_x, at_y, t) for at_x in x.tolist()] for at_y in y.tolist()] for t in times.tolist()])
+    return Surface(x, y, heights)
