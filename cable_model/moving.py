@@ -12,8 +12,8 @@ from cable_model.scene import Scene
 from cable_model.sea import components
 from cable_model.simulation import Result
 
-MOST_POINTS = 101  # along a cable
-MOST_PLACES = 240  # of the surface at a moment
+MOST_POINTS = 61  # along a cable
+MOST_PLACES = 128  # of the surface at a moment
 PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
 WIDTH = 0.25  # of the box's longest side: what a side has at least
 NEAR = 1.0  # of the longest side: how far from the cable water's surface and seabed still belong in the picture
@@ -149,8 +149,8 @@ def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray)
     steepness = (waves[:, 0] * waves[:, 2]) ** 2
     length = 2.0 * math.pi * math.sqrt(np.sum(waves[:, 0] ** 2) / np.sum(steepness))
     across, along = (1 + math.ceil(PER_WAVE * (high[k] - low[k]) / length) for k in (1, 0))
-    x = np.linspace(low[0], high[0], max(along, 13))
-    y = np.linspace(low[1], high[1], max(across, 13) if scene.solver.space else 2)
+    x = np.linspace(low[0], high[0], max(along, 9))
+    y = np.linspace(low[1], high[1], max(across, 9) if scene.solver.space else 2)
     if len(x) * len(y) > MOST_PLACES:
         return still
     from cable_model.kernels.waves import elevation  # imports numba

@@ -60,7 +60,8 @@ def figure(picture: Picture, scene: Scene, errors: Sequence[str]) -> dict[str, A
 
 def _changing(trace: dict[str, Any]) -> dict[str, Any]:
     """What of a trace a frame repeats: its places, and its colours where they are tensions."""
-    kept: dict[str, Any] = {axis: trace[axis] for axis in ("x", "y", "z") if axis in trace}
+    places = ("z",) if trace["type"] == "surface" else ("x",) if trace["type"] == "scatter" else ("x", "y", "z")
+    kept: dict[str, Any] = {axis: trace[axis] for axis in places}
     colours = trace.get("line", {}).get("color")
     if isinstance(colours, list):
         kept["line"] = {"color": colours}

@@ -11,7 +11,7 @@ from cable_model.moving import Moving, Panel, Picture, Surface, is_held, keeping
 from cable_model.plots import COLOURS, GREY, SEA, SEABED
 from cable_model.scene import Scene
 
-MOST_VALUES = 2000  # of a time series
+MOST_VALUES = 1000  # of a time series: two for each dot across its panel
 DIGITS = 4  # after the first of the largest number
 TENSION_COLOURS = ((0.0, "#2f55b5"), (0.35, "#23a0a0"), (0.65, "#e8a628"), (1.0, "#c1212d"))
 AXIS_COLOURS = {"x": "#1f5a99", "y": "#3b8f5a", "z": "#d1602b"}  # told apart by colour-blind readers too
