@@ -16,6 +16,7 @@ from cable_model.scene import Scene
 from cable_model.simulation import Result
 
 MOST_FRAMES = 300
+BUTTONS = ["toImage", "pan3d", "orbitRotation", "tableRotation", "resetCameraDefault3d"]  # plotly's own would upload the data, too
 
 
 def plotly_io() -> ModuleType:
@@ -38,8 +39,9 @@ def check_page(path: Path) -> None:
 def write_page(results: Mapping[str, Result], scene: Scene, path: Path, errors: Sequence[str]) -> None:
     """Write the page of runs of a scene by their models' names; `errors` are told on it."""
     shown = figure(arrange(results, scene, MOST_FRAMES), scene, errors)
+    config = {"displaylogo": False, "responsive": True, "modeBarButtons": [BUTTONS]}
     drawn = plotly_io().to_html(
-        shown, config={"displaylogo": False, "responsive": True}, auto_play=False, include_plotlyjs=True, full_html=False,
+        shown, config=config, auto_play=False, include_plotlyjs=True, full_html=False,
         default_height="100%", div_id="cable", validate=False,
     )  # fmt: skip
     style = "<style>html, body, body > div {height: 100%; margin: 0; overflow: hidden}</style>"

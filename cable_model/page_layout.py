@@ -42,7 +42,8 @@ def _space(picture: Picture, scene: Scene) -> dict[str, Any]:
     eye = np.array(EYE[scene.solver.space])
     axes = {
         f"{axis}axis": {
-            "title": {"text": f"{axis} [m]"}, "range": [float(picture.low[k]), float(picture.high[k])], "backgroundcolor": "white",
+            "title": {"text": ""}, "tickprefix": f"{axis} = ", "ticksuffix": " m", "showtickprefix": "last", "showticksuffix": "last",
+            "range": [float(picture.low[k]), float(picture.high[k])], "backgroundcolor": "white",
             "gridcolor": "#dddddd", "zerolinecolor": "#dddddd", "showspikes": False, "nticks": 2 + round(6 * sides[k] / picture.size),
             "tickangle": 0, "tickfont": {"size": 11},
         }

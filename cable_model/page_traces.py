@@ -85,7 +85,7 @@ def _sheet(surface: Surface, k: int, colour: str) -> Trace:
 
 def _cable(picture: Picture, label: str, moving: Moving, k: int, colour: str) -> Trace:
     """A cable in the colours of its tension; where that is not told a pale and broad one, in which the other can lie."""
-    told = f"{label}<br>x %{{x}} m<br>y %{{y}} m<br>z %{{z}} m"
+    told = "<br>".join((label, *(f"{axis} = %{{{axis}:.6~g}} m" for axis in "xyz")))
     shape = _in_space(picture, moving.places[k]) | {"mode": "lines", "name": label}
     if moving.tensions is None:
         return shape | {"line": {"width": 12, "color": colour}, "opacity": 0.4, "hovertemplate": f"{told}<extra></extra>"}
@@ -95,7 +95,7 @@ def _cable(picture: Picture, label: str, moving: Moving, k: int, colour: str) ->
         "width": 7, "color": _rounded(moving.tensions[k], most), "cmin": least, "cmax": most, "colorscale": TENSION_COLOURS,
         "showscale": True, "colorbar": bar,
     }  # fmt: skip
-    return shape | {"line": line, "hovertemplate": f"{told}<br>%{{line.color:.4s}}N<extra></extra>"}
+    return shape | {"line": line, "hovertemplate": f"{told}<br>%{{line.color:.4~s}}N<extra></extra>"}
 
 
 def _ends(picture: Picture, moving: Moving, scene: Scene, k: int, colour: str) -> Trace:
@@ -115,7 +115,7 @@ def _series(label: str, moving: Moving, scene: Scene, model: int) -> list[Trace]
             times = moving.run["time"][kept]
             traces.append({
                 "type": "scatter", "mode": "lines", "x": _rounded(times, times[-1]), "y": _rounded(values[kept], np.abs(values).max()),
-                "xaxis": f"x{n}", "yaxis": f"y{n}", "name": f"{label} {name}".strip(), "hovertemplate": "%{y:.4s} at %{x} s",
+                "xaxis": f"x{n}", "yaxis": f"y{n}", "name": f"{label} {name}".strip(), "hovertemplate": "%{y:.4~s} at %{x} s",
                 "line": {"color": colour_of(panel, name, model), "dash": DASHES[model], "width": 1.4},
             })  # fmt: skip
     return traces

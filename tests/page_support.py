@@ -1,4 +1,4 @@
-"""What a page says, read from its text: traces, layout and frames."""
+"""What a page says, read from its text: traces, layout, settings and frames."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ class Page(NamedTuple):
     text: str
     data: list[dict[str, Any]]
     layout: dict[str, Any]
+    config: dict[str, Any]
     frames: list[dict[str, Any]]
 
     def at(self, k: int, name: str) -> dict[str, Any]:
@@ -28,6 +29,7 @@ def read_page(path: Path) -> Page:
         return decoder.raw_decode(text, re.compile(r"[\s,]*").match(text, place).end())
 
     data, end = after(text.rindex('"cable",') + len('"cable",'))
-    layout, _ = after(end)
+    layout, end = after(end)
+    config, _ = after(end)
     frames, _ = after(text.rindex("Plotly.addFrames('cable',") + len("Plotly.addFrames('cable',"))
-    return Page(text, data, layout, frames)
+    return Page(text, data, layout, config, frames)

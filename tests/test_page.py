@@ -85,6 +85,10 @@ def test_the_page_loads_nothing_from_elsewhere(page):
     assert "<title>A chain &lt;/script&gt; &amp; a [body]</title>" in outside
 
 
+def test_no_button_sends_the_data_away(page):
+    assert page.config["modeBarButtons"] == [["toImage", "pan3d", "orbitRotation", "tableRotation", "resetCameraDefault3d"]]
+
+
 def test_frames_have_the_places_and_tensions_of_the_run_at_their_times(page, run):
     rows = moments(run)
     assert len(page.frames) == len(rows) == MOST_FRAMES

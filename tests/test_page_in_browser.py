@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -78,5 +79,7 @@ def test_the_slider_moves_the_cable_and_nothing_is_asked_of_a_network(browser: A
     errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
     assert not errors
 
+    titles = browser.execute_script("return [...document.querySelectorAll('.modebar-btn')].map(one => one.dataset.title)")
+    assert titles and not re.search("share|cloud|send", " ".join(titles), re.IGNORECASE)
     height = browser.execute_script("return [document.documentElement.scrollHeight, innerHeight]")
     assert height[0] <= height[1]  # all of it fits on a small screen
