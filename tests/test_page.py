@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -105,6 +106,19 @@ def test_frames_have_the_places_and_tensions_of_the_run_at_their_times(page, run
         assert page.frames[k]["data"][-1]["x"] == [run["time"][row]] * 2  # the cursor
 
 
+def test_rare_peaks_do_not_take_the_colours_from_the_rest(scene, run):
+    def bar(tensions):
+        shown = figure(arrange({"CableChain": replace(run, tensions=tensions)}, load(scene), 300), load(scene), [])
+        (line,) = (trace["line"] for trace in shown["data"] if "cmax" in trace.get("line", {}))
+        return line["cmin"], line["cmax"], line["colorbar"]["title"]["text"]
+
+    usual = np.full_like(run.tensions, 100.0)
+    assert bar(usual)[1:] == (pytest.approx(run["top.tension"].max(), rel=1e-2), "tension [N]")
+    usual[200:202] = 5e4
+    least, most, title = bar(usual)
+    assert least < most < 1.5 * run["top.tension"].max() and title == "tension [N]<br>peaks to 50000"
+
+
 def test_the_straight_cable_has_no_colours_along_it_and_moves_too(page):
     assert "line" not in page.at(0, "TowCable")
     assert page.at(0, "TowCable")["x"] != page.at(200, "TowCable")["x"]
@@ -191,7 +205,15 @@ def test_a_run_that_stops_is_shown_so_far_and_told(scene, tmp_path, monkeypatch)
         assert moving.n_frames == 10
         first = np.asarray(moving.convert("RGB"))
         moving.seek(9)
-        assert np.any(first != np.asarray(moving.convert("RGB")))
+        changed = np.any(first != np.asarray(moving.convert("RGB")), axis=(0, 2))
+        assert np.any(changed[: len(changed) // 2]) and np.any(changed[len(changed) // 2 :])  # the cable, and the cursor
+
+
+@pytest.mark.skipif(not movie.FFMpegWriter.isAvailable(), reason="no ffmpeg (apt-get install ffmpeg)")
+def test_ffmpeg_writes_a_movie(scene, run, tmp_path, monkeypatch):
+    monkeypatch.setattr(movie, "MOST_FRAMES", 3)
+    movie.write_movie({"CableChain": run}, load(scene), tmp_path / "a.mp4")
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
 
 
 @pytest.fixture
