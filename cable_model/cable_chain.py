@@ -50,7 +50,10 @@ class CableChain(Model):
         return now if self.parts.bending is None else now + self._bent()
 
     def _bent(self) -> np.ndarray:
-        """What bending adds to the axial forces (n - 1,), N: EI kappa^2 in the limit of small cells."""
+        """What bending adds to the axial forces (n - 1,), N: EI kappa^2 in the limit of small cells, as kernels.staggered.bent has it.
+
+        Formed anew from positions: the compiled kernels tell places and outputs only.
+        """
         cells = self.scene.solver.nodes - 1
         lengths, shares = self.state[header.HEADER : header.HEADER + 2 * cells].reshape(cells, 2).T
         vectors = np.diff(self.positions(), axis=0) / lengths[:, None]

@@ -15,12 +15,12 @@ from cable_model.scene import Scene
 
 FRAME = (50.0, 100.0)  # ms that a frame is shown at least and at most
 WORDS = 105  # characters in a line of the title
-SPACE = 0.62  # of the page's width
+SPACE = 0.62  # of the page's width; beside it are the panels
+ROWS = ((0.755, 0.96), (0.485, 0.69), (0.215, 0.42))  # of its height, of each panel
 ROOM = (2.5, 1.8)  # for the box, across and upright, in plotly's lengths
 EYE = {False: (0.35, -1.8, 0.35), True: (1.0, -1.4, 0.6)}  # where the cable is looked at from in the plane, and in space
 LAST = "3"  # panel, under which the time is written
 WRONG = "#c1212d"
-ROWS = ((0.755, 0.96), (0.485, 0.69), (0.215, 0.42))  # of its height
 
 
 def layout(picture: Picture, scene: Scene, errors: Sequence[str]) -> dict[str, Any]:
