@@ -80,9 +80,9 @@ def moments(run):
 
 
 def test_the_page_loads_nothing_from_elsewhere(page):
-    outside = re.sub(r"<script>.*?</script>", "", page.text, flags=re.DOTALL)
+    outside = re.sub(r"<script[^>]*>.*?</script>", "", page.text, flags=re.DOTALL)
     assert len(outside) < 1000 and not re.search(r"https?:|src=|<link|<script|@import", outside)
-    assert not re.search(r"<script[^>]+>", page.text[: page.text.index("</script>") + 100])
+    assert not re.search(r"<script[^>]*\ssrc\b", page.text)
     assert "<title>A chain &lt;/script&gt; &amp; a [body]</title>" in outside
 
 
