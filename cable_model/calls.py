@@ -31,8 +31,8 @@ class Calls(Protocol):
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
         """One step, inputs (19,) known at both ends."""
 
-    def positions(self, at: np.ndarray) -> None:
-        """Positions (n, 3) of the cable from the lower end to the top, m."""
+    def points(self, even: bool, at: np.ndarray) -> None:
+        """Position (m) and tension (N) of points from the lower end to the top, (m, 4): evenly along the cable, or the nodes."""
 
     def read_outputs(self) -> None:
         """Fill `outputs` from the state."""

@@ -79,8 +79,10 @@ class JustInTime:
             exchange.end_exchange(self._numbers, self.state, step, self.outputs)
         return status
 
-    def positions(self, at: np.ndarray) -> None:
-        self._kernels.node_positions(self._parts, self._numbers, self.state, self.work, at)
+    def points(self, even: bool, at: np.ndarray) -> None:
+        told = np.zeros(len(OUTPUTS))
+        self._kernels.outputs(self._parts, self._numbers, self.state, self.work, told)
+        self._kernels.points(self._parts, self._numbers, self.state, self.work, told, even, at)
 
     def read_outputs(self) -> None:
         self._kernels.outputs(self._parts, self._numbers, self.state, self.work, self.outputs)

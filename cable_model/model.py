@@ -14,7 +14,7 @@ from cable_model.doubts import at_the_start, before_the_run, seen
 from cable_model.errors import SolverError, refuse
 from cable_model.kernels import header
 from cable_model.scene import Scene
-from cable_model.signals import INPUTS
+from cable_model.signals import INPUTS, SHAPE_POINTS
 from cable_model.simulated import numbers_of, parts_of
 
 _UNITS_OF_AN_END = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3
@@ -137,15 +137,22 @@ class Model:
 
     def positions(self) -> np.ndarray:
         """Positions (n, 3) of the cable from the lower end to the top, m."""
-        at = np.zeros((self._shape_points(), 3))
-        self._calls.positions(at)
+        return self.nodes()[:, :3]
+
+    def nodes(self) -> np.ndarray:
+        """Position (m) and tension (N) at the nodes of the cable from the lower end to the top, (n, 4)."""
+        return self._points(False, self._node_count())
+
+    def shape(self, count: int = SHAPE_POINTS) -> np.ndarray:
+        """The same at points that are evenly spaced along the unstretched cable, (count, 4)."""
+        return self._points(True, count)
+
+    def _points(self, even: bool, count: int) -> np.ndarray:
+        at = np.zeros((count, 4))
+        self._calls.points(even, at)
         return at
 
-    def tensions(self) -> np.ndarray | None:
-        """Tensions (n - 1,) of the cells between these positions, N; None where the model tells those of its ends only."""
-        return None
-
-    def _shape_points(self) -> int:
+    def _node_count(self) -> int:
         return self.scene.solver.nodes
 
     def _must(self, status: int, time: float) -> None:

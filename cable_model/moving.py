@@ -76,9 +76,16 @@ def is_held(scene: Scene) -> bool:
     return scene.lower_end.anchored and not scene.lower_end.released
 
 
+def word_of_lower_end(scene: Scene) -> str:
+    """What is there."""
+    if is_held(scene):
+        return "driven end" if scene.lower_end.driven else "anchor"
+    return "body" if scene.body.mass > 0.0 else "free end"
+
+
 def panels(run: Result, scene: Scene) -> tuple[Panel, Panel, Panel]:
     """What tells most about a run: the tension above, that below or, of a free end, its speed, and where the end that moves is."""
-    below = Panel(f"tension at the {'anchor' if is_held(scene) else 'body'} [N]", {"": run["body.tension"]})
+    below = Panel(f"tension at the {word_of_lower_end(scene)} [N]", {"": run["body.tension"]})
     if not is_held(scene) and scene.body.mass == 0.0:
         below = Panel("speed of the free end [m/s]", {"": np.sqrt(sum(run[f"body.v{axis}"] ** 2 for axis in "xyz"))})
     end, word = ("top", "top") if is_held(scene) else ("body", "lower end")
@@ -105,7 +112,7 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     longest = max(results.values(), key=lambda run: len(run.table))
     moments = evenly(len(longest.table), most_moments)
     times = longest["time"][moments]
-    cables = {label: _thinned(run, moments) for label, run in results.items()}
+    cables = {label: _thinned(run, moments, k == 0) for k, (label, run) in enumerate(results.items())}  # two in colours are none to see
     low = np.min([moving.places.min(axis=(0, 1)) for moving in cables.values()], axis=0)
     high = np.max([moving.places.max(axis=(0, 1)) for moving in cables.values()], axis=0)
     reach = NEAR * float(np.max(high - low))
@@ -121,14 +128,10 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     return Picture(times, cables, low, high, surface, seabed)
 
 
-def _thinned(run: Result, moments: np.ndarray) -> Moving:
+def _thinned(run: Result, moments: np.ndarray, coloured: bool) -> Moving:
     rows = np.minimum(moments, len(run.table) - 1)
     points = evenly(run.shapes.shape[1], MOST_POINTS)
-    tensions = None
-    if run.tensions is not None:
-        cells = run.tensions[rows]
-        inner = 0.5 * (cells[:, 1:] + cells[:, :-1])
-        tensions = np.column_stack((run["body.tension"][rows], inner, run["top.tension"][rows]))[:, points]
+    tensions = run.tensions[rows][:, points] if run.tensions is not None and coloured else None
     return Moving(run, run.shapes[rows][:, points], tensions)
 
 

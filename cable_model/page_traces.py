@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.moving import Moving, Panel, Picture, Surface, is_held, keeping_peaks, panels
+from cable_model.moving import Moving, Panel, Picture, Surface, is_held, keeping_peaks, panels, word_of_lower_end
 from cable_model.plots import COLOURS, GREY, SEA, SEABED
 from cable_model.scene import Scene
 
@@ -105,9 +105,9 @@ def _cable(picture: Picture, label: str, moving: Moving, k: int, colour: str) ->
 
 
 def _ends(picture: Picture, moving: Moving, scene: Scene, k: int, colour: str) -> Trace:
-    """Marks, not to scale, of the body or anchor, and of the top."""
-    below = "anchor" if is_held(scene) else "body" if scene.body.mass > 0.0 else "free end"
-    size = {"anchor": 6, "body": 9, "free end": 3}[below]
+    """Marks, not to scale, of the lower end and of the top."""
+    below = word_of_lower_end(scene)
+    size = {"anchor": 6, "driven end": 6, "body": 9, "free end": 3}[below]
     marker = {"symbol": ["diamond" if below == "anchor" else "circle", "square"], "size": [size, 6], "color": ["#222222", colour]}
     shown = {"mode": "markers", "marker": marker, "text": [below, "top"], "hovertemplate": "%{text}<extra></extra>"}
     return _in_space(picture, moving.places[k][[0, -1]]) | shown

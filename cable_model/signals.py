@@ -1,5 +1,7 @@
 """Names of the inputs and outputs of both models, in the order of the arrays that carry them.  SI; z up from still water."""
 
+SHAPE_POINTS = 11  # of the cable in an FMU, evenly from the lower end to the top
+
 INPUTS = (
     "top.x", "top.y", "top.z",
     "top.vx", "top.vy", "top.vz",
@@ -26,3 +28,5 @@ OUTPUTS = (
     "lower.force_mean_x", "lower.force_mean_y", "lower.force_mean_z",
     "lower.declination",
 )  # fmt: skip
+
+SHAPE = tuple(f"shape.{of}[{i}]" for i in range(1, SHAPE_POINTS + 1) for of in ("x", "y", "z", "tension"))  # told where they are asked for

@@ -20,10 +20,10 @@ from cable_model.signals import INPUTS, OUTPUTS
 
 @dataclass(frozen=True)
 class Result:
-    """Time series of a run: `table` (rows, 1 + 10 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
+    """Time series of a run: `table` (rows, 1 + 19 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
-    `shapes` are positions of the cable from the lower end to the top, m, and `tensions` (rows, points - 1) those of the cells between them,
-    N; None where a model tells those of its ends only (TowCable, the box grid), or the result is not of a model.
+    `shapes` are positions of the nodes from the lower end to the top, m, and `tensions` (rows, points) those there, N; None where the
+    result is not of a model.
 
     `warnings` say what is doubtful about it, `audit` how well its balances close, where it was audited.
     """
@@ -131,7 +131,7 @@ def simulate(
     motion = motion or motion_of(scene)
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
-    tensions: list[np.ndarray | None] = []
+    tensions: list[np.ndarray] = []
     impulse = np.zeros(len(_MEANS))
 
     def advance(time: float, length: float, first: np.ndarray, last: np.ndarray) -> None:
@@ -143,15 +143,15 @@ def simulate(
         row[1 + len(INPUTS) + np.array(_MEANS)] = mean
         impulse[:] = 0.0
         rows.append(row)
-        shapes.append(model.positions())
-        tensions.append(model.tensions())
+        nodes = model.nodes()
+        shapes.append(nodes[:, :3])
+        tensions.append(nodes[:, 3])
         if keep is not None:
             keep(row)
 
     def result() -> Result:
-        along = None if tensions[0] is None else np.array(tensions)
         told = (*model.warnings(), *under_a_given_motion(scene))
-        return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, along)
+        return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, np.array(tensions))
 
     start = motion(0.0, 1)
     model.initialize(start)

@@ -75,7 +75,7 @@ class TowCable(Model):
     def __getitem__(self, name: str) -> float:
         return float(self.outputs[OUTPUTS.index(name)])
 
-    def _shape_points(self) -> int:
+    def _node_count(self) -> int:
         return 2
 
     def _measure(self, status: int) -> str:

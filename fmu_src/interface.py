@@ -16,7 +16,7 @@ from cable_model.errors import refuse, unknown
 from cable_model.parameters import field_of, holder_of, value_of
 from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS, OUTPUTS, SHAPE, SHAPE_POINTS
 from cable_model.simulated import TYPES, true
 
 GENERIC = {
@@ -135,8 +135,8 @@ def fmu_name(name: str) -> str:
 
 _FIRST, _LATER = INPUTS[:10], INPUTS[10:]  # inputs: at the head, and those that came later
 # in the order of their value references
-_NAMES = tuple(dict.fromkeys((*_FIRST, *RELEASED, *OUTPUTS, *_LATER, *map(fmu_name, FMU_PARAMETERS))))
-_PARAMETERS = tuple(name for name in _NAMES if name not in (*INPUTS, *OUTPUTS, CPU_TIME, EFFECTS))
+_NAMES = tuple(dict.fromkeys((*_FIRST, *RELEASED, *OUTPUTS, *_LATER, *SHAPE, *map(fmu_name, FMU_PARAMETERS))))
+_PARAMETERS = tuple(name for name in _NAMES if name not in (*INPUTS, *OUTPUTS, *SHAPE, CPU_TIME, EFFECTS))
 
 _INPUT_FACTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
 _PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13]), (*INPUTS[3:6], *INPUTS[13:16]), ()
@@ -239,8 +239,14 @@ def _input(scene: Scene, name: str) -> Variable:
     return Variable(name, "input", "continuous", "Real", unit, text.format(words), start, nominal=1.0)
 
 
+def _shape_facts(name: str) -> tuple[str, str, float, tuple[str, ...]]:
+    of, _, number = name.removeprefix("shape.").rstrip("]").partition("[")
+    where = f"point {number} of {SHAPE_POINTS}, evenly along the unstretched cable from the lower end to the top"
+    return ("N", f"tension at {where}", 1e3, INPUTS) if of == "tension" else ("m", f"{of} of {where}", 100.0, _PLACES)
+
+
 def _output(name: str) -> Variable:
-    unit, text, nominal, starts_from = _OUTPUT_FACTS[name]
+    unit, text, nominal, starts_from = _OUTPUT_FACTS[name] if name in _OUTPUT_FACTS else _shape_facts(name)
     return Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal, starts_from=starts_from)
 
 
@@ -279,7 +285,7 @@ def _row(scene: Scene, name: str) -> Variable:
         return _input(scene, name)
     if name == EFFECTS:
         return Variable(name, "local", "fixed", "String", "", "effects that are simulated, and the value that switched each on")
-    return _output(name) if name in _OUTPUT_FACTS else _parameter(scene, name)
+    return _parameter(scene, name) if name in _PARAMETERS else _output(name)
 
 
 @functools.lru_cache(maxsize=8)

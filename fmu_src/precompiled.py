@@ -21,7 +21,7 @@ from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.signals import INPUTS
 from cable_model.signals import OUTPUTS as SIGNALS
-from fmu_src.entries import ADVANCE, END, EXTERNAL, OUTPUTS, POSITIONS, SIZES, START, STEP, WORK, Variant, serves
+from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
 _ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipip"))  # releases the interpreter's lock
@@ -150,8 +150,10 @@ class Precompiled:
         self._end[:] = end
         return self._run(ADVANCE, time, step, start)
 
-    def positions(self, at: np.ndarray) -> None:
-        self._call(POSITIONS, 0.0, 0.0, len(at), _at(at))
+    def points(self, even: bool, at: np.ndarray) -> None:
+        told = np.zeros(len(SIGNALS) + at.size)
+        self._call(SHAPE if even else NODES, 0.0, 0.0, len(at), _at(told))
+        at[:] = told[len(SIGNALS) :].reshape(at.shape)
 
     def read_outputs(self) -> None:
         self._run(OUTPUTS, 0.0, 0.0, self._inputs)

@@ -26,7 +26,7 @@ from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.parameters import field_of
 from cable_model.scene import Scene, from_dict
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import one_line
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables, scene_from_values, table
 from fmu_src.model_description import model_description
@@ -39,6 +39,8 @@ _PLACES = {row.name: vr for vr, row in enumerate(table())}
 _INPUTS = tuple(_PLACES[name] for name in INPUTS)
 _ARE_INPUTS = frozenset(_INPUTS)
 _OUTPUTS = tuple(_PLACES[name] for name in OUTPUTS)
+_SHAPE = tuple(_PLACES[name] for name in SHAPE)  # has values where it was asked for since the last step
+_IN_SHAPE = frozenset(_SHAPE)
 _CPU_TIME, _EFFECTS = _PLACES[CPU_TIME], _PLACES[EFFECTS]
 _PARAMETERS = tuple(vr for vr, row in enumerate(table()) if row.causality == "parameter")
 _VALUES = (*_INPUTS, *_OUTPUTS, _CPU_TIME)
@@ -89,6 +91,7 @@ class CableSlave(Fmi2Slave):
         self._base = self._baked()
         self._rows = table(self._base)
         self._real = self._starts("Real")
+        self._forget_shape()
         self._integer = self._starts("Integer")
         self._boolean = self._starts("Boolean")
         self._phase = Phase.INSTANTIATED
@@ -156,7 +159,7 @@ class CableSlave(Fmi2Slave):
             self._phase = Phase.FAILED
             raise
         self._experiment.last = current_time + step_size
-        self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
+        self._keep_outputs(model)
         self._real[_CPU_TIME] += clock.thread_time() - begun
         if model.doubts > self._doubts:
             self._tell_doubts()
@@ -191,8 +194,26 @@ class CableSlave(Fmi2Slave):
         model = self._made(self._parameters())
         model.initialize(np.array([self._real[vr] for vr in _INPUTS]), self._experiment.start)
         self._model = model
-        self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
+        self._keep_outputs(model)
         self._outdated = False
+
+    def _keep_outputs(self, model: Model) -> None:
+        self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
+        self._forget_shape()
+
+    def _forget_shape(self) -> None:
+        if _SHAPE[0] in self._real:
+            for vr in _SHAPE:
+                del self._real[vr]
+
+    def _tell_shape(self, vrs: Sequence[int]) -> None:
+        """Work the shape out where it is asked for: most hosts do not."""
+        if _SHAPE[0] in self._real or _IN_SHAPE.isdisjoint(vrs):
+            return
+        if self._phase is Phase.FAILED:
+            late = "must be asked for before a step fails. Restore a state, or reset the FMU."
+            raise ParameterError(f"{next(self._rows[vr].name for vr in vrs if vr in _IN_SHAPE)}: {late}")
+        self._real.update(zip(_SHAPE, self._initialized.shape().ravel().tolist(), strict=True))
 
     def _made(self, parameters: dict[str, float | int | bool]) -> Model:
         scene = scene_from_values(self._base, parameters, self.model_key)
@@ -247,6 +268,7 @@ class CableSlave(Fmi2Slave):
         for vr in vrs:
             self._may_get(vr, kind)
         self._preview()
+        self._tell_shape(vrs)
         return [values[vr] for vr in vrs]
 
     def _set(self, values: dict[int, Any], kind: str, vrs: Sequence[int], new: Sequence[Any]) -> None:
@@ -324,6 +346,7 @@ class CableSlave(Fmi2Slave):
         self._phase = Phase(saved.phase)
         self._experiment = Experiment.from_numbers(times.tolist())
         self._outdated = True
+        self._forget_shape()
         self._real |= dict(zip(_VALUES, reals.tolist(), strict=True)) | kept["Real"]
         self._integer |= kept["Integer"]
         self._boolean |= kept["Boolean"]

@@ -13,7 +13,7 @@ from cable_model.effects import used_by
 from cable_model.errors import ParameterError
 from cable_model.kernels import family
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from fmu_src.interface import EFFECTS, generic_scene, scene_from_values, scene_name, table
 from fmu_src.model_description import base_units, least
 
@@ -34,7 +34,7 @@ def test_inputs_and_outputs_are_those_of_both_models_in_their_order():
     assert tuple(row.name for row in table() if row.causality == "input") == INPUTS
     outputs = [row.name for row in table() if row.causality == "output"]
     outputs.remove("solver.cpu_time")
-    assert tuple(outputs) == OUTPUTS
+    assert tuple(outputs) == (*OUTPUTS, *SHAPE)
     assert tuple(row.name for row in table()[:10]) == INPUTS[:10]
 
 

@@ -171,21 +171,25 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, top, veloc
 
 
 @kernel
+def node_tension(parts, problem, y, yd, ydd, offset, i):
+    """N of node i; the rates now are yd - offset ydd."""
+    return tension(parts.inextensible, problem.cable, problem.numeric, y[i, 0], yd[i, 0] - offset * ydd[i, 0])
+
+
+@kernel
 def measure(parts, problem, mesh, y, yd, ydd, offset, top, threshold):
     """Force on the attachment, tangent there, place and velocity of the lower end, tensions at the lower end, largest and
     smallest in the cells, and the length of cells below the threshold.  The rates now are yd - offset ydd."""
-    cable = problem.cable
-    numeric = problem.numeric
     n, size = y.shape
     cu = size // 3
     largest = 0.0
     smallest = 1e300
     slack = 0.0
     x, z = top
-    above = tension(parts.inextensible, cable, numeric, y[n - 1, 0], yd[n - 1, 0] - offset * ydd[n - 1, 0])
+    above = node_tension(parts, problem, y, yd, ydd, offset, n - 1)
     pulled = above
     for i in range(n - 2, -1, -1):
-        below = tension(parts.inextensible, cable, numeric, y[i, 0], yd[i, 0] - offset * ydd[i, 0])
+        below = node_tension(parts, problem, y, yd, ydd, offset, i)
         mean = 0.5 * (above + below)
         largest = max(largest, mean)
         smallest = min(smallest, mean)

@@ -6,7 +6,7 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_ends import Course, closing_velocities, end_rates, ends_on, held_place, leave_plane, move_ends
-from cable_model.kernels.chain_outputs import in_axes, node_positions, outputs, winding_now
+from cable_model.kernels.chain_outputs import in_axes, outputs, points, winding_now
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
 from cable_model.kernels.ends import lower_end_told
@@ -33,7 +33,7 @@ from cable_model.kernels.vector import sub
 from cable_model.kernels.watch import open_bottom
 
 # what a model calls
-__all__ = ("advance", "initialize", "node_positions", "outputs", "set_off", "settle", "state_size", "work_size")
+__all__ = ("advance", "initialize", "outputs", "points", "set_off", "settle", "state_size", "work_size")
 
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up

@@ -12,7 +12,7 @@ from cable_model.kernels.layout import cut, led_on, vector_at
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding
-from cable_model.kernels.vector import axpy, dot
+from cable_model.kernels.vector import axpy, dot, mix
 from cable_model.kernels.watch import watch_outputs, watch_set_off
 
 
@@ -37,24 +37,53 @@ def _now(parts, p, state, work):
 
 
 @kernel
-def node_positions(parts, p, state, work, positions):
-    """Positions (n, 3) of all nodes, summed from the prescribed top downwards."""
+def _tensions_ahead(p, state):
+    return tensions_ahead(state, coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity))
+
+
+@kernel
+def points(parts, p, state, work, told, even, out):
+    """Position (m) and tension (N) of points from the lower end to the top, (m, 4), summed from the prescribed top downwards.
+
+    `even`: they are at equal unstretched lengths from one another; else they are the nodes.  `told` are the outputs now, which have the
+    tensions at the ends.
+    """
+    problem = build(parts, p, 0.0)
     view = _now(parts, p, state, work)
-    n = view.mesh.shape[0] + 1
     at = vector_at(parts, state, header.TOP)
-    for i in range(n - 1, -1, -1):
-        if i < n - 1:
-            at = axpy(-view.mesh[i, 0], grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
-        _spread(parts.space, at, state[header.TOP + 1], positions[i], 0)
+    grid.ready_tensions(parts.box, parts, problem, view, _tensions_ahead(p, state), at)
+    m, cells = out.shape[0], view.mesh.shape[0]
+    length = 0.0
+    for i in range(cells):
+        length += view.mesh[i, 0]
+    row, arc, tension = m - 1, length, told[3]
+    _tell_point(parts, state, at, tension, out[row])
+    for i in range(cells - 1, -1, -1):
+        h = view.mesh[i, 0]
+        arc -= h
+        lower = axpy(-h, grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
+        below = grid.node_tension(parts.box, parts, problem, view, state[header.OFFSET], i, at) if i > 0 else told[11]
+        while row > 0:
+            share = (length * (row - 1) / (m - 1) - arc) / h if even and row > 1 else 0.0
+            if share < 0.0 or (not even and row - 1 != i) or (row == 1 and i > 0):
+                break
+            row -= 1
+            _tell_point(parts, state, mix(1.0 - share, lower, share, at), (1.0 - share) * below + share * tension, out[row])
+        at, tension = lower, below
+
+
+@kernel
+def _tell_point(parts, state, at, tension, row):
+    _spread(parts.space, at, state[header.TOP + 1], row, 0)
+    row[3] = tension
 
 
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     problem = build(parts, p, 0.0)
-    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     view = _now(parts, p, state, work)
-    ahead = tensions_ahead(state, c)
+    ahead = _tensions_ahead(p, state)
     top = vector_at(parts, state, header.TOP)
     winding = winding_now(parts.winch, problem, state)
     force, t, position, velocity, end, largest, smallest, slack = grid.measure(

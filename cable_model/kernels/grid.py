@@ -228,6 +228,32 @@ cell_vector = by_presence(_staggered_vector, _box_vector)  # (1 + eps) t of a ce
 
 
 @kernel
+def _staggered_ready(box, parts, problem, view, ahead, top):
+    staggered_chain.tensions_now(parts, problem, view.mesh, view.y, view.force, view.force_old, ahead, top, view.scratch.cells)
+
+
+@kernel
+def _box_ready(box, parts, problem, view, ahead, top):
+    return
+
+
+ready_tensions = by_presence(_staggered_ready, _box_ready)  # what node_tension reads
+
+
+@kernel
+def _staggered_tension(box, parts, problem, view, offset, i, like):
+    return staggered_chain.node_tension(parts, problem.numeric, view.mesh, view.y, i, like, view.scratch)
+
+
+@kernel
+def _box_tension(box, parts, problem, view, offset, i, like):
+    return box_chain.node_tension(parts, problem, view.y, view.yd, view.ydd, offset, i)
+
+
+node_tension = by_presence(_staggered_tension, _box_tension)  # N of an inner node, now
+
+
+@kernel
 def _staggered_lead(box, view, time, last, offset):
     """By a parabola: the rates now are yd - offset ydd."""
     for i in range(view.y.shape[0]):

@@ -80,6 +80,14 @@ def axial_force(parts, numeric, mesh, y, i, like, s):
 
 
 @kernel
+def node_tension(parts, numeric, mesh, y, i, like, s):
+    """N of inner node i, on the line between the splits of its cells, where their tensions are those of what hangs below."""
+    low, up = (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0], mesh[i, 1] * mesh[i, 0]
+    below, above = axial_force(parts, numeric, mesh, y, i - 1, like, s), axial_force(parts, numeric, mesh, y, i, like, s)
+    return (below * up + above * low) / (low + up)
+
+
+@kernel
 def _lowest(driven, n):
     """The lowest cell that the forces on what holds the ends ask for."""
     return max(n - 3, 0) if driven is None else 0

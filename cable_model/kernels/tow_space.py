@@ -304,15 +304,3 @@ def outputs_in_space(space, parts, p, state, work, out):
     out[16] = state[NEWTON]
     out[17] = state[REJECTED]
     tell_exchange(state, out)
-
-
-@kernel
-def node_positions_in_space(space, parts, p, state, work, positions):
-    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
-    swing, u, _ = swing_now(state)
-    length = constants(parts, p).length + u
-    n = positions.shape[0]
-    for i in range(n):
-        below = length * (n - 1 - i) / max(n - 1, 1)
-        for k in range(3):
-            positions[i, k] = state[TOP + k] + below * swing.e[k]

@@ -8,8 +8,8 @@ from cable_model.kernels.ends import lower_end_told
 from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, NOT_DRIVEN, OK, OUT_OF_PLANE, SHORTEST, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
-from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, motion_now, shortest_step
-from cable_model.kernels.tow_space import STATE_IN_SPACE, node_positions_in_space
+from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, shortest_step
+from cable_model.kernels.tow_space import STATE_IN_SPACE
 from cable_model.kernels.tow_static_space import hang_in_space
 from cable_model.kernels.tow_surface import lost_buoyancy
 from cable_model.kernels.tow_trial import next_stretch, no_trial
@@ -147,23 +147,11 @@ def initialize(parts, p, time, state, work):
 
 
 @kernel
-def node_positions_in_plane(space, parts, p, state, work, positions):
-    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
-    c = constants(parts, p)
-    phi, _, u, _ = motion_now(state)
-    length = c.length + u
-    n = positions.shape[0]
-    for i in range(n):
-        below = length * (n - 1 - i) / max(n - 1, 1)
-        positions[i, 0] = state[TOP] - below * math.sin(phi)
-        positions[i, 1] = state[PLANE]
-        positions[i, 2] = state[TOP + 2] - below * math.cos(phi)
-
-
-_node_positions = by_presence(node_positions_in_plane, node_positions_in_space)
-
-
-@kernel
-def node_positions(parts, p, state, work, positions):
-    """Points (n, 3) of the straight cable, evenly from the lower end to the top."""
-    _node_positions(parts.space, parts, p, state, work, positions)
+def points(parts, p, state, work, told, even, out):
+    """Position (m) and tension (N) of points of the straight cable, (m, 4), evenly from its lower end to the top; `told`: outputs now."""
+    m = out.shape[0]
+    for i in range(m):
+        up = i / (m - 1)
+        for k in range(3):
+            out[i, k] = told[5 + k] + up * (state[TOP + k] - told[5 + k])
+        out[i, 3] = told[11] + up * (told[3] - told[11])

@@ -12,7 +12,7 @@ static const char *const phases[] = {"instantiated", "initializing", "running", 
 typedef struct {
     double values[N_VARIABLES]; /* of every kind; a String's place is empty */
     double start_time, stop_time, last_time;
-    double phase, outdated, initialized, set_up, has_stop;
+    double phase, outdated, initialized, set_up, has_stop, shaped; /* shaped: the shape is that of the last step */
 } Core;
 
 typedef struct {
@@ -178,7 +178,8 @@ static int64_t run(Instance *m, int what, double time, double step, double *outp
     void *error = NULL;
     int levels = N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0;
     int64_t n_waves = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
-    int broken = kernels[m->variant](&status, &error, what, time, step, (int64_t)m->core.values[MOTION_ORDER], inputs, m->numbers,
+    int64_t order = what == SHAPE ? N_SHAPE / 4 : (int64_t)m->core.values[MOTION_ORDER];
+    int broken = kernels[m->variant](&status, &error, what, time, step, order, inputs, m->numbers,
                                      m->present, levels ? baked_levels[0] : m->level, levels ? N_BAKED_LEVELS : 1,
                                      N_BAKED_WAVES > 0 ? baked_waves[0] : m->wave, n_waves, baked_curve[0], N_BAKED_CURVE, m->state,
                                      m->n_state, m->work, m->n_work, outputs);
@@ -192,6 +193,7 @@ static void keep_outputs(Instance *m, const double *outputs)
 {
     for (int k = 0; k < N_OUTPUTS; k++)
         m->core.values[outputs_at[k]] = outputs[k];
+    m->core.shaped = 0.0;
 }
 
 /* Each kind of doubt once. */

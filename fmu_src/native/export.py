@@ -26,12 +26,12 @@ from fmu_src.entries import (
     EITHER,
     END,
     EXTERNAL,
-    OUTPUTS,
+    NODES,
     PATH,
-    POSITIONS,
     PRESENT,
     RELEASED,
     ROWS,
+    SHAPE,
     SIZES,
     START,
     STEP,
@@ -156,8 +156,8 @@ def _start(kernels: Any, released: bool) -> Any:
 def _entry(kernels: Any, variant: Variant) -> Any:
     """The calls of just_in_time.JustInTime, from plain pointers.
 
-    SIZES writes those of state and work to `out`.  ADVANCE finds the inputs at the end of its step in work[END:WORK].  POSITIONS writes
-    `order` points (3 numbers each) to `out`.  All others write the outputs there.
+    SIZES writes those of state and work to `out`.  ADVANCE finds the inputs at the end of its step in work[END:WORK].  All others
+    write the outputs there; NODES and SHAPE after them `order` points, 4 numbers each: the nodes, or evenly along the cable.
     """
     from numba import carray
 
@@ -171,7 +171,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     released = bool(variant.get(RELEASED, ABSENT))
     parts_now, held_then, start = _parts(variant), _parts({**variant, "anchor": PRESENT}), _start(kernels, released)
     advance, write_outputs = kernels.advance, kernels.outputs
-    state_size, work_size, node_positions = kernels.state_size, kernels.work_size, kernels.node_positions
+    state_size, work_size, points = kernels.state_size, kernels.work_size, kernels.points
     ok, again = header.OK, host_trials.AGAIN
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
@@ -187,13 +187,11 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             return ok
         state = carray(y, (n_y,))
         work = carray(w, (n_w,))
-        if what == POSITIONS:
-            node_positions(parts, numbers, state, work[WORK:], carray(out, (order, 3)))
-            return ok
         path = work[PATH:END].reshape((ROWS, COLUMNS))
         end = work[END:WORK]
         room = work[n_w - host.room_size(numbers, n_y, n_outputs) :]
         in_space = parts.space is not None
+        steps, tells_points = what in (STEP, ADVANCE), what in (NODES, SHAPE)
         tries = what == STEP and room.shape[0] > 0
         if what == START:
             ends.start_ends(order, numbers, state, inputs)
@@ -214,7 +212,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 held = held_then(present, current, waves, carray(curve, (n_rows, 3)))
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
-            elif what != OUTPUTS:
+            elif steps:
                 outputs[0] = fastest_end(path, step)
                 status = TOO_FAST
                 if outputs[0] <= FASTEST_TOP:
@@ -223,10 +221,13 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 write_outputs(parts, numbers, state, work[WORK:], outputs)
                 if what == START:
                     exchange.start_exchange(state, outputs)
-                elif what != OUTPUTS:
+                elif steps:
                     exchange.end_exchange(numbers, state, step, outputs)
             if tries:
                 status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
+        if tells_points:
+            table = carray(out, (n_outputs + 4 * order,))[n_outputs:].reshape((order, 4))
+            points(parts, numbers, state, work[WORK:], outputs, what == SHAPE, table)
         if status == ok and what == STEP:
             ends.remember(order, numbers, state, inputs, step)
         return status

@@ -21,7 +21,7 @@ from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.parameters import field_of
 from cable_model.scene import Scene
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import parts_of
 from fmu_src import entries
 from fmu_src.entries import Variant
@@ -152,7 +152,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     sea, curve = _rows(baked.waves if has_sea(scene, model) else None), _rows(baked.curve)
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
     names = {
-        "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_NUMBERS": len(PARAMETERS),
+        "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_SHAPE": len(SHAPE), "N_NUMBERS": len(PARAMETERS),
         "N_PARTS": len(Parts._fields), "N_VARIANTS": len(variants), "CPU_TIME": place[CPU_TIME], "EFFECTS": place[EFFECTS],
         "MOTION_ORDER": place["top.motion_order"], "GRAVITY": place["environment.gravity"],
         "CURRENT_SPEED": place["current.speed"], "CURRENT_DIRECTION": place["current.direction"],
@@ -161,7 +161,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
         "N_BAKED_WAVES": len(sea), "N_BAKED_CURVE": len(curve),
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
-        "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP,
+        "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP, "SHAPE": entries.SHAPE, "SHAPE_AT": f"{place[SHAPE[0]]}u",
         "CHANGED": CHANGED,
         "OK": header.OK, "NOT_FINITE": header.NOT_FINITE, "LAST_STATUS": header.LAST_STATUS, "TOO_FAST": f"({TOO_FAST})",
         "ERROR_TIME": header.ERROR_TIME, "ERROR_NODE": header.ERROR_NODE, "ERROR_SIZE": header.ERROR_SIZE,

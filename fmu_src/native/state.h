@@ -39,7 +39,7 @@ static const char *impossible(const Saved *saved)
     const Core *core = &saved->core;
     if (!is_whole(core->phase, INSTANTIATED, TERMINATED) || !is_flag(core->initialized) || !is_flag(core->outdated))
         return "phase";
-    if (!is_flag(core->set_up) || !is_flag(core->has_stop))
+    if (!is_flag(core->set_up) || !is_flag(core->has_stop) || !is_flag(core->shaped))
         return "phase";
     if (core->initialized == 0.0 && (core->phase > INITIALIZING || (core->phase == INITIALIZING && core->outdated == 0.0)))
         return "phase";

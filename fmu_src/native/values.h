@@ -28,6 +28,25 @@ static fmi2Status preview(Instance *m)
     return m->core.phase == INITIALIZING && m->core.outdated != 0.0 ? initialize(m) : fmi2OK;
 }
 
+/* The shape is worked out where it is asked for: most hosts do not. */
+static fmi2Status tell_shape(Instance *m, const fmi2ValueReference vr[], size_t n)
+{
+    double told[N_OUTPUTS + N_SHAPE];
+    size_t asked = 0;
+    while (asked < n && (vr[asked] < SHAPE_AT || vr[asked] >= SHAPE_AT + N_SHAPE))
+        asked++;
+    if (asked == n || m->core.shaped != 0.0)
+        return fmi2OK;
+    if (m->core.phase == FAILED)
+        return fail(m, "%s: must be asked for before a step fails. Restore a state, or reset the FMU.", variables[vr[asked]].name);
+    int64_t status = run(m, SHAPE, m->core.last_time, 0.0, told);
+    if (status != OK)
+        return report(m, status, m->core.last_time, 0.0);
+    memcpy(m->core.values + SHAPE_AT, told + N_OUTPUTS, sizeof told - N_OUTPUTS * sizeof *told);
+    m->core.shaped = 1.0;
+    return fmi2OK;
+}
+
 static fmi2Status may_get(const Instance *m, fmi2ValueReference vr, char kind)
 {
     if (known(m, vr, kind) != fmi2OK)
@@ -62,7 +81,7 @@ static fmi2Status may_set(const Instance *m, fmi2ValueReference vr, char kind, d
         for (size_t k = 0; k < n; k++)                                                                           \
             if (may_get(m, vr[k], letter) != fmi2OK)                                                             \
                 return fmi2Error;                                                                                \
-        if (preview(m) != fmi2OK)                                                                                \
+        if (preview(m) != fmi2OK || tell_shape(m, vr, n) != fmi2OK)                                              \
             return fmi2Error;                                                                                    \
         for (size_t k = 0; k < n; k++)                                                                           \
             value[k] = (fmi2##Kind)m->core.values[vr[k]];                                                        \
