@@ -28,7 +28,7 @@ _REASONS = {
     header.WEIGHTLESS: "no static equilibrium was found, and cable and body weigh less than a millionth of their weight in air",
     header.BELOW_WAVES: "no static equilibrium was found, and the cable is long enough to hang through the bottom of the waves",
     header.NO_SLACK: "no static equilibrium was found for a cable that does not go slack",
-    header.OUT_OF_PLANE: "an end left the vertical plane y = const in which the model moves",
+    header.OUT_OF_PLANE: "the top or lower end left the vertical plane y = const in which the model moves",
     header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
     header.NOT_DRIVEN: "the inputs lower.* say where the lower end is, but they do not drive it",
 }

@@ -117,7 +117,11 @@ def test_values_that_do_not_go_together_are_refused(changes, text):
         (top(x=np.nan), "top.x = nan m: must be finite. Check what is connected to this input."),
         (top(vz=np.inf), "top.vz = inf m/s: must be finite. Check what is connected to this input."),
         (top(ay=-np.inf), "top.ay = -inf m/s2: must be finite. Check what is connected to this input."),
-        (np.zeros(8), "inputs = (8,): must be (10,). Give position, velocity and acceleration of the top, and the winch's speed."),
+        (
+            np.zeros(8),
+            "inputs = (8,): must be (9,), (10,) or (19,). "
+            "Give position, velocity and acceleration of the top, and with a winch its speed, with a driven lower end all 19.",
+        ),
     ],
     ids=["nan", "inf", "-inf", "shape"],
 )
@@ -166,6 +170,6 @@ def test_a_plane_chain_refuses_a_top_that_leaves_its_plane():
     with pytest.raises(SolverError) as caught:
         model.step(0.0, 0.01, top(y=0.1, vy=10.0))
     assert str(caught.value) == (
-        "CableChain at t = 0 s: the top left the vertical plane y = const in which the model moves. "
-        "Keep top.y and top.vy constant, or set solver.space = true. Results before this time are valid."
+        "CableChain at t = 0 s: the top or lower end left the vertical plane y = const in which the model moves. "
+        "Keep top.y and lower.y constant, or set solver.space = true. Results before this time are valid."
     )

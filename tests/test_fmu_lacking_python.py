@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmi_calls import ERROR, Component, Library
-from fmu_support import FIRST, Fmu
+from fmu_support import FIRST, HEAD, Fmu
 from native_support import only_where_they_run
 
-from cable_model.signals import INPUTS, OUTPUTS
+from cable_model.signals import OUTPUTS
 from fmu_src.interface import table
 from fmu_src.native import link
 
@@ -68,7 +68,7 @@ def plain_host(fmus: dict[str, Fmu], tmp_path: Path):
     source = Path(__file__).parent / "native_host.c"
     subprocess.run([str(link.compiler()), "-O1", f"-I{link.fmi_headers()}", "-o", str(host), str(source), "-ldl", "-lpthread"], check=True)
     library = Path(fmu.folder) / "binaries" / "linux64" / "TowCable.so"
-    arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(len(INPUTS))]
+    arguments = [str(host), str(library), fmu.description.guid, "3", "0.05", str(FIRST), str(HEAD)]
 
     def run(**values: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(arguments, input="0 " * 31, env=values, capture_output=True, text=True, check=False)

@@ -12,6 +12,7 @@ from fmi_calls import DISCARD, ERROR, OK, WARNING, Component, Library
 from fmu_support import Fmu
 from native_support import only_where_they_run
 
+from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.interface import table
 
 pytestmark = only_where_they_run
@@ -236,20 +237,21 @@ class Forged:
         self.native = data.startswith(b"CABLEFM3")
         self.data = bytearray(data)
         self.values = 64 if self.native else 44 + 8 * 5
-        told = sum(row.causality in ("input", "output") for row in table())  # before the parameters, in Python, wherever they stand
-        self.first_parameter = self.values + 8 * (PLACE["top.motion_order"] if self.native else told)
+        # in Python inputs and outputs come before the parameters, wherever these stand in the table
+        parameters = (row.name for row in table() if row.causality == "parameter")
+        names = PLACE if self.native else (*INPUTS, *OUTPUTS, "solver.cpu_time", *parameters)
+        self.place = {name: place for place, name in enumerate(names)}
 
     def put(self, offset: int, value: float) -> Forged:
         self.data[offset : offset + 8] = struct.pack("<d", value)
         return self
 
     def value(self, name: str, value: float) -> Forged:
-        place = PLACE[name] - PLACE["top.motion_order"]
-        return self.put(self.first_parameter + 8 * place if place >= 0 else self.values + 8 * PLACE[name], value)
+        return self.put(self.values + 8 * self.place[name], value)
 
     def core(self, name: str, value: float) -> Forged:
         """Of the native state: what follows the values."""
-        names = ("start_time", "stop_time", "last_time", "phase", "outdated", "initialized", "set_up", "has_stop")
+        names = ("start_time", "stop_time", "last_time", "phase", "outdated", "initialized", "set_up", "has_stop", "shaped")
         return self.put(self.values + 8 * (len(PLACE) + names.index(name)), value)
 
     def phase(self, value: int) -> Forged:

@@ -258,7 +258,7 @@ def test_the_rules_written_for_c_are_those_of_scenes(key: str):
     rules, draw = Rules(rows, base, key), random.Random(7)
     parts, refusals, reasons, numbers = rules.parts(), rules.refusals(), rules.reasons(), rules.numbers()
     accepted = 0
-    for _ in range(1200):
+    for _ in range(1500):
         values = [row.start for row in rows]
         for vr, row in enumerate(rows):
             free = row.causality == "parameter" and row.name not in rules.kept

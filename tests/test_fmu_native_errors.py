@@ -75,7 +75,7 @@ def test_a_top_of_a_million_metres_a_second_is_refused(fmu: Fmu, undisturbed: di
         instance.step(5 * STEP, STEP, inputs)
     (error,) = instance.errors
     assert error.startswith("speed of the top or lower end = ")
-    assert error.endswith(" m/s: must be <= 10000. Check the units of the top's motion, and for jumps.")
+    assert error.endswith(" m/s: must be <= 10000. Check the units of its motion, and for jumps.")
     recovers(instance, undisturbed[fmu.path.stem])
 
 

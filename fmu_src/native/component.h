@@ -256,7 +256,7 @@ static fmi2Status check_start(const Instance *m)
 
 static fmi2Status initialize(Instance *m)
 {
-    double outputs[N_OUTPUTS];
+    double outputs[N_OUTPUTS] = {0.0}; /* 0 where the kernels have nothing to tell */
     m->core.initialized = 0.0;
     if (prepare(m) != fmi2OK || check_start(m) != fmi2OK)
         return fmi2Error;

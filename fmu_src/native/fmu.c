@@ -158,7 +158,7 @@ static fmi2Status check_time(const Instance *m, double now, double step)
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real now, fmi2Real step, fmi2Boolean no_return)
 {
     Instance *m = c;
-    double outputs[N_OUTPUTS], begun = processor_time();
+    double outputs[N_OUTPUTS] = {0.0}, begun = processor_time();
     (void)no_return;
     if (expect(m, RUNNING, "initialized and running. Initialize, reset or restore it first.") != fmi2OK)
         return fmi2Error;

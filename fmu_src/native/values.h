@@ -31,7 +31,7 @@ static fmi2Status preview(Instance *m)
 /* The shape is worked out where it is asked for: most hosts do not. */
 static fmi2Status tell_shape(Instance *m, const fmi2ValueReference vr[], size_t n)
 {
-    double told[N_OUTPUTS + N_SHAPE];
+    double told[N_OUTPUTS + N_SHAPE] = {0.0};
     size_t asked = 0;
     while (asked < n && (vr[asked] < SHAPE_AT || vr[asked] >= SHAPE_AT + N_SHAPE))
         asked++;

@@ -36,7 +36,7 @@ TAKEN_OUT = ("slack", "surface")
 def with_effect(effect: Effect) -> Scene:
     """The scene of the row's cost case, with the effect on and a body that TowCable can tow."""
     values = {name: value for name, value in COSTED[effect.name].items() if effect.name not in TAKEN_OUT or name not in effect.because}
-    return scene_of({**values, "body.mass": 0.1})
+    return scene_of(values if "lower_end.anchored" in values else {**values, "body.mass": 0.1})
 
 
 def ids(effect: Effect) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from cable_model.kernels import grid, header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
+from cable_model.kernels.path import Ends
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
 from cable_model.models import MODELS
@@ -103,7 +104,7 @@ def _iteration(case: str, nodes: int) -> tuple[dict[str, int], float]:
     like = layout.axes(parts.space, 0.0, 0.0, 0.0)
     Counted.operations = dict.fromkeys(LATENCY, 0)
     iterations = grid.newton_step(
-        parts.box, parts, problem, view, c, 0.0, 0.005, 1.0, like, like, like, Winding(problem.cable.length, 0.0, 0.0)
+        parts.box, parts, problem, view, c, 0.0, 0.005, 1.0, like, like, Ends(like, like), Winding(problem.cable.length, 0.0, 0.0)
     )
     assert iterations == 1, f"{case}: {iterations} iterations instead of one"
     longest = max(getattr(x, "ready", 0.0) for x in (*view.y1.ravel(), *view.yd1.ravel()))
