@@ -319,6 +319,31 @@ def test_what_is_doubtful_about_its_motion_is_told():
     assert any(text.startswith("an end starts at ") for text in warned(at_once, cable__length=100.5))
 
 
+def rung(end, mass):
+    """coupling.growth and warnings after 6 s of a vessel at one end of a taut line, which it feels a step late; the other end is fixed."""
+    model = make({**AIR, "environment": {"gravity": 0.0}}, cable__axial_stiffness=2e6, cable__mass_per_length=20.0, solver__time_step=0.05)
+    own, force = (0, TOP[0]) if end == "top" else (10, LOW[0])
+    given = np.zeros(19)
+    given[own] = 50.05
+    model.initialize(given)
+    rest, x, v = model.outputs[force], 0.0, 0.005
+    held = rest
+    for k in range(120):
+        given[[own, own + 3]] = 50.05 + x, v
+        model.step(0.05 * k, 0.05, given)
+        a = (held - rest) / mass
+        held, x, v = model.outputs[force], x + 0.05 * (v + 0.025 * a), v + 0.05 * a
+    return model.outputs[OUTPUTS.index("coupling.growth")], [text for text in model.warnings() if text.startswith("ringing")]
+
+
+def test_a_light_host_at_the_lower_end_rings_as_at_the_top_and_is_told():
+    (growth, told), (same, as_well) = (rung(end, 1000.0) for end in ("top", "lower"))
+    assert growth > 0.05
+    assert same == pytest.approx(growth, rel=1e-2)
+    assert len(told) == len(as_well) == 1
+    assert rung("lower", 1e5) == (0.0, [])
+
+
 def test_a_scene_moves_both_ends():
     sway = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "angular_frequency": 1.0, "ramp_time": 5.0}
     scene = from_dict({**LINE, "lower": {"position": [*FAR], "motion": [sway]}, "run": {"duration": 10.0, "output_step": 0.1}})

@@ -63,13 +63,14 @@ def points(parts, p, state, work, told, even, out):
         arc -= h
         lower = axpy(-h, grid.cell_vector(parts.box, parts.inextensible, view, i, at), at)
         below = grid.node_tension(parts.box, parts, problem, view, state[header.OFFSET], i, at) if i > 0 else told[11]
-        while row > 0:
-            share = (length * (row - 1) / (m - 1) - arc) / h if even and row > 1 else 0.0
-            if share < 0.0 or (not even and row - 1 != i) or (row == 1 and i > 0):
-                break
+        while even and row > 1 and length * (row - 1) / (m - 1) >= arc:
             row -= 1
+            share = (length * row / (m - 1) - arc) / h
             _tell_point(parts, state, mix(1.0 - share, lower, share, at), (1.0 - share) * below + share * tension, out[row])
         at, tension = lower, below
+        if not even:
+            _tell_point(parts, state, at, tension, out[i])
+    _tell_point(parts, state, at, tension, out[0])
 
 
 @kernel
