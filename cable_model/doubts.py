@@ -24,9 +24,10 @@ FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add 
 
 
 def shaking(scene: Any, axes: str = "xyz") -> float:
-    """The highest angular frequency of the top's sinusoids along some axes, rad/s; 0 without any."""
-    moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
-    return max((part.angular_frequency for part in moving), default=0.0)
+    """The highest angular frequency of the sinusoids of both ends along some axes, rad/s; 0 without any."""
+    parts = (*scene.top.motion, *scene.lower.motion)
+    moving = [part for part in parts if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
+    return max((part.omega for part in moving), default=0.0)
 
 
 def forcing(scene: Any, axes: str = "xyz") -> float:

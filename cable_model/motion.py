@@ -38,7 +38,7 @@ def fade_in(t: float, ramp_time: float, ramp: str = "septic", side: int = 1) -> 
 
 
 def _sinusoid(part: Motion, t: float, side: int) -> tuple[float, float, float]:
-    omega = part.angular_frequency
+    omega = part.omega
     x = part.amplitude * math.sin(omega * t + part.phase)
     v = part.amplitude * omega * math.cos(omega * t + part.phase)
     a = -omega * omega * x
@@ -97,8 +97,8 @@ class _EndMotion:
         for part in self._end.motion:
             if time < part.start or (part.stop > 0.0 and time > part.stop):
                 continue
-            if part.kind == "sinusoid" and part.angular_frequency > 0.0 and part.amplitude != 0.0:
-                found = min(found, PHASE_OF_A_PIECE / part.angular_frequency)
+            if part.kind == "sinusoid" and part.omega > 0.0 and part.amplitude != 0.0:
+                found = min(found, PHASE_OF_A_PIECE / part.omega)
             if time < part.start + _turning(part):
                 found = min(found, _turning(part) / PIECES_OF_A_RAMP)
         return found

@@ -174,6 +174,8 @@ class Motion:
     axis: str = quantity("", "axis of the motion", choices=("x", "y", "z"))
     amplitude: float = quantity("m", "amplitude of a sinusoid", default=0.0)
     angular_frequency: float = quantity("rad/s", "angular frequency of a sinusoid", default=0.0, least=0.0)
+    period: float = quantity("s", "period of a sinusoid, in place of its angular frequency", default=0.0, least=0.0)
+    frequency: float = quantity("1/s", "frequency of a sinusoid, in place of its angular frequency", default=0.0, least=0.0)
     phase: float = quantity("rad", "phase: amplitude sin(angular_frequency t + phase)", default=0.0)
     start: float = quantity("s", "time at which the motion begins", default=0.0, least=0.0)
     stop: float = quantity("s", "time at which the motion ends (0 = never)", default=0.0, least=0.0)
@@ -181,6 +183,11 @@ class Motion:
     ramp: str = quantity("", "how it fades in: three continuous derivatives, or one", default="septic", choices=("septic", "cubic"))
     velocity: float = quantity("m/s", "change of velocity of a ramp or step", default=0.0)
     duration: float = quantity("s", "time in which a ramp changes the velocity", default=0.0, least=0.0)
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency of a sinusoid, rad/s, in whichever way it is given."""
+        return 2.0 * math.pi / self.period if self.period > 0.0 else 2.0 * math.pi * self.frequency or self.angular_frequency
 
 
 @dataclass(frozen=True)

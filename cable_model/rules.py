@@ -220,6 +220,11 @@ def check(scene: Any) -> None:
         if not (amplitude >= 0.0 and period > 0.0):
             shown = f"{amplitude:g} m, {period:g} s"
             raise refuse(f"waves.table[{k}]", shown, "", "an amplitude >= 0 and a period > 0", "Mend the row.")
+    for end in ("top", "lower"):
+        for k, part in enumerate(getattr(scene, end).motion):
+            given = [name for name in ("angular_frequency", "period", "frequency") if getattr(part, name) > 0.0]
+            if len(given) > 1:
+                raise refuse(f"{end}.motion[{k}]", " and ".join(given), "", "one of angular_frequency, period and frequency", "Keep one.")
     for error in refused_on_grid(scene):
         raise error
     for name, right, must, remedy in TABLES:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
 from cable_model.errors import ParameterError
 from cable_model.motion import PrescribedMotion, fade_in
 from cable_model.parameters import Motion, Top
+from cable_model.scene import from_dict
 
 SWING = Motion(kind="sinusoid", axis="x", amplitude=0.3, angular_frequency=2.0, phase=0.4, ramp_time=1.5)
 RAMP = Motion(kind="ramp", axis="z", velocity=-1.2, start=0.5, duration=2.0)
@@ -46,3 +49,17 @@ def test_fading_in_is_complete_and_flat_at_both_ends():
 def test_a_table_with_falling_times_is_refused():
     with pytest.raises(ParameterError, match=r"^top\.table = 4 rows: must be at least 4 rows of rising time\. "):
         PrescribedMotion(Top(table=((0.0, 0, 0, 0), (2.0, 0, 0, 0), (1.0, 0, 0, 0), (3.0, 0, 0, 0))))
+
+
+@pytest.mark.parametrize("given", [{"angular_frequency": 2.5}, {"period": 2.0 * math.pi / 2.5}, {"frequency": 2.5 / (2.0 * math.pi)}])
+def test_a_sinusoid_is_given_by_its_angular_frequency_its_period_or_its_frequency(given):
+    motion = PrescribedMotion(Top(motion=(Motion(kind="sinusoid", axis="z", amplitude=2.0, **given),)))
+    assert motion(0.3)[[2, 5, 8]] == pytest.approx([2.0 * math.sin(0.75), 5.0 * math.cos(0.75), -12.5 * math.sin(0.75)])
+    assert motion.longest_piece(0.0) < 1.0
+
+
+def test_a_sinusoid_that_is_given_in_two_ways_is_refused():
+    part = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "period": 2.0, "frequency": 0.5}
+    words = r"top\.motion\[0\] = period and frequency: must be one of angular_frequency, period and frequency\. Keep one\."
+    with pytest.raises(ParameterError, match=words):
+        from_dict({"cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}, "top": {"motion": [part]}})

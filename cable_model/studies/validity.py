@@ -29,7 +29,7 @@ class Check:
 def forcing(scene: Scene, axes: str = "xyz") -> list[float]:
     """Angular frequencies of the top along some axes, and of waves, rad/s; of a table, ramp or step the mean one of each axis."""
     moving = [part for part in scene.top.motion if part.kind == "sinusoid" and part.amplitude != 0.0 and part.axis in axes]
-    found = [part.angular_frequency for part in moving]
+    found = [part.omega for part in moving]
     if scene.top.table or any(part.kind != "sinusoid" for part in scene.top.motion):
         speed, rate = _sampled(scene)
         spread = speed.std(axis=0)

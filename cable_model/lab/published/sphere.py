@@ -57,7 +57,7 @@ def scene_at(ratio: float, quick: bool) -> Scene:
 
 def amplitudes(scene: Scene, model: str, changes: Mapping[str, object]) -> tuple[float, float]:
     run = timed(scene, Setting(model, model, {**changes, "solver.tolerance": 1e-6 if model == "tow" else 0.0}))
-    omega = scene.top.motion[0].angular_frequency
+    omega = scene.top.motion[0].omega
     late = run.times > run.times[-1] - MEASURED_CYCLES * 2.0 * math.pi / omega - 1e-9
     motion = {part.axis: part.amplitude * np.sin(omega * run.times[late] + part.phase) for part in scene.top.motion}
     x, z = run.position[late, 0] + motion["x"], run.position[late, 2] + motion["z"]
