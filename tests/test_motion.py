@@ -60,6 +60,6 @@ def test_a_sinusoid_is_given_by_its_angular_frequency_its_period_or_its_frequenc
 
 def test_a_sinusoid_that_is_given_in_two_ways_is_refused():
     part = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "period": 2.0, "frequency": 0.5}
-    words = r"top\.motion\[0\] = period and frequency: must be one of angular_frequency, period and frequency\. Keep one\."
+    words = r"top\.motion\[0\] = 'period and frequency': must be one of angular_frequency, period and frequency\. Keep one\."
     with pytest.raises(ParameterError, match=words):
         from_dict({"cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}, "top": {"motion": [part]}})
