@@ -216,6 +216,7 @@ CASES = (
     Case("H16 hose", "hard/hose", HOSES, check="crossing", beam=True),
     Case("H17", "hard/loops", LOOPS, check="loops", beam=True),
     Case("H17 let go", "hard/loops", LET_GO, check="loops", beam=True),
+    Case("H19 tow", "hard/two_ships", SNAPS[:3], check="peaks"),
     Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
     Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),
 )
