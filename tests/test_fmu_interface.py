@@ -104,9 +104,9 @@ def test_start_values_give_back_the_scene_they_come_from(name):
     values = {row.name: row.start for row in table(scene) if row.causality == "parameter"}
     model = scene.run.model
     assert scene_from_values(scene, values, model) == scene
-    if any(_value(scene, part) != _value(generic_scene(), part) for part in NOT_IN_FMUS if not part.startswith(("top.", "lower.", "run."))):
+    if any(_value(scene, part) != _value(generic_scene(), part) for part in NOT_IN_FMUS if not part.startswith(("top.", "run."))):
         return  # it has to be baked in
-    other = dataclasses.replace(generic_scene(), top=scene.top, lower=scene.lower, run=scene.run, title=scene.title, source=scene.source)
+    other = dataclasses.replace(generic_scene(), top=scene.top, run=scene.run, title=scene.title, source=scene.source)
     if scene.water is None:
         scene = dataclasses.replace(scene, water=parameters.Water(density=0.0))
     used = {row.name: row.start for row in table(scene) if row.causality == "parameter" and model in used_by(row.scene_name)}
