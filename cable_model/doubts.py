@@ -136,6 +136,10 @@ SEEN = (
     "Give lower.vx, lower.vy and lower.vz of the same motion, or set top.motion_order = 0.",
     "velocity of the lower end changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
     "Give lower.ax, lower.ay and lower.az of the same motion, or set top.motion_order = 1.",
+    "an end of the cable at z = %.4g m, the seabed at %.4g m: it is pushed into the bottom, which holds against it. "
+    "Check its motion, or seabed.level.",
+    "ends of the cable = %.3g m apart at the start, of a length of %.4g m: it hangs in a fold. "
+    "Connect lower.x, y and z, and give them start values.",
 )
 
 

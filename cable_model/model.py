@@ -57,6 +57,7 @@ class Model:
 
     name = ""
     offered: ClassVar[Callable[[Model], Calls | None] | None] = None  # kernels for every model that is not given its own
+    _at_rest = np.zeros(10)  # the inputs beyond the top's, of a winch and a lower end that stand still
 
     def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:
         """`precompiled` (else `offered`) offers kernels that are compiled already, or None where it has none: then numba compiles them."""
@@ -64,7 +65,7 @@ class Model:
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
-        self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 6])  # the inputs beyond the top's
+        self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 6])
         self._at_start: tuple[str, ...] = ()
         offered = precompiled or type(self).offered
         self._calls = (offered and offered(self)) or self._just_in_time()

@@ -157,7 +157,7 @@ def _splines(end: Top | Lower, name: str) -> list[CubicSpline]:
         return []
     rows = np.array(end.table)
     if len(rows) < 4 or not np.all(np.diff(rows[:, 0]) > 0.0):
-        raise refuse(f"{name}.table", len(rows), "rows", "at least 4 rows of rising time", "Sort the rows by time.")
+        raise refuse(f"{name}.table", len(rows), "rows", "at least 4 rows of rising time", "Add rows, or sort them by time.")
     spline = CubicSpline(rows[:, 0], rows[:, 1:])
     return [spline, spline.derivative(1), spline.derivative(2)]
 

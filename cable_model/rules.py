@@ -70,7 +70,14 @@ RULES = (
         "Set solver.space = true, or remove the exponent.",
     ),
     Rule(WET & ~Given("cable.diameter"), "cable.diameter", "> 0 in water", "Give the diameter, or remove [water]."),
-    Rule(On("anchor") & Given("body.mass"), "body.mass", "0 at an anchored end", "Remove [body] or lower_end.anchored."),
+    Rule(
+        On("anchor") & Given("body.mass"), "body.mass", "0 at an anchored end",
+        "Remove [body], in an FMU by zeros of all its values, or lower_end.anchored.",
+    ),
+    Rule(
+        On("anchor") & Given("lower_end.release_force"), "lower_end.release_force", "0 at an anchored end",
+        "Remove it, or lower_end.anchored.",
+    ),
     Rule(
         Given("seabed.stiffness") & ~Given("cable.diameter"), "cable.diameter", "> 0 on a seabed", "Give the diameter, or remove [seabed]."
     ),

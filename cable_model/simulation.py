@@ -12,7 +12,7 @@ import numpy as np
 from cable_model.audit import Audit
 from cable_model.doubts import under_a_given_motion
 from cable_model.driving import follow, output_steps
-from cable_model.errors import ParameterError, SolverError, writing
+from cable_model.errors import ParameterError, SolverError, unknown, writing
 from cable_model.model import Model
 from cable_model.motion import MotionLike, motion_of
 from cable_model.signals import INPUTS, OUTPUTS
@@ -36,6 +36,9 @@ class Result:
     tensions: np.ndarray | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
+        """The series of a column.  Raises ParameterError with the nearest name for one that is not there."""
+        if name not in self.columns:
+            raise unknown(name, self.columns, "column")
         return self.table[:, self.columns.index(name)]
 
 

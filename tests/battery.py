@@ -16,6 +16,7 @@ from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.parameters import value_of
 from cable_model.scene import Scene, from_dict, with_values
+from cable_model.signals import OUTPUTS
 from cable_model.simulated import refused_by
 from fmu_src.interface import generic_scene, table
 from fmu_src.model_description import base_units
@@ -44,7 +45,7 @@ VARIED = (
     "cable.length", "cable.mass_per_length", "cable.axial_stiffness", "cable.diameter", "body.mass", "environment.gravity",
     "cable.bending_stiffness", "seabed.stiffness", "current.speed", "waves.amplitude", "waves.period", "cable.axial_damping",
 )  # fmt: skip
-UNITS = [row.unit for row in table(generic_scene()) if row.causality == "output" and row.name != "solver.cpu_time"]  # of the outputs
+UNITS = [row.unit for row in table(generic_scene()) if row.name in OUTPUTS]
 
 
 @st.composite

@@ -206,8 +206,13 @@ def test_a_broken_kernel_shows(kind, monkeypatch):
 
 
 def test_a_wrong_force_at_the_top_shows(monkeypatch):
-    own = audit.top_force
-    monkeypatch.setattr(audit, "top_force", lambda *given: tuple(-x for x in own(*given)))
+    own = audit.end_forces
+
+    def reversed_at_the_top(*given):
+        forces = own(*given)
+        return forces._replace(top=tuple(-x for x in forces.top))
+
+    monkeypatch.setattr(audit, "end_forces", reversed_at_the_top)
     assert audited(HANGING, SWAY, 0.01, 0.8).energy_share > 0.5
 
 

@@ -8,6 +8,7 @@ from scipy.special import jn_zeros
 
 from cable_model.kernels.build import build
 from cable_model.kernels.family import Coefficients, coefficients
+from cable_model.kernels.path import Ends
 from cable_model.kernels.slack import floor
 from cable_model.kernels.staggered import assemble
 from cable_model.kernels.staggered_step import Gains, Winding, newton_step
@@ -112,7 +113,7 @@ def test_a_newton_step_amplifies_every_mode_as_the_characteristic_equation_says(
         y1, yd1 = y.reshape(-1, 2).copy(), yd.reshape(-1, 2).copy()
         status = newton_step(
             model.parts, problem, now.mesh, y.reshape(-1, 2), yd.reshape(-1, 2), 0.0 * now.ydd, c, 0.0, h,
-            (0.0, 0.0), (0.0, 0.0), Winding(1.75, 0.0, 0.0), np.zeros(1), y1, yd1, now.force, now.force, 0.0, now.scratch,
+            (0.0, 0.0), Ends((0.0, 0.0), (0.0, 0.0)), Winding(1.75, 0.0, 0.0), np.zeros(1), y1, yd1, now.force, now.force, 0.0, now.scratch,
         )  # fmt: skip
         assert status > 0
         return np.concatenate([y1.ravel()[free] - now.y.ravel()[free], yd1.ravel()[free]])

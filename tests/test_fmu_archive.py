@@ -204,7 +204,7 @@ def test_kernels_keep_their_name_when_the_rest_changes(tmp_path: Path):
 def test_renaming_touches_imports_and_whole_names_only():
     source = 'from cable_model.scene import load\nfrom cable_model.kernels import path\nx = "cable_model"\ny = "cable_modelling"\n'
     new = renamed(source, "here", {"cable_model": "p.cable_model", "cable_model.kernels": "k"})
-    assert new == 'from p.cable_model.scene import load\nfrom k import top\nx = "p.cable_model"\ny = "cable_modelling"\n'
+    assert new == 'from p.cable_model.scene import load\nfrom k import path\nx = "p.cable_model"\ny = "cable_modelling"\n'
     for refused in ("import cable_model\n", "from cable_model import kernels\n"):
         with pytest.raises(ValueError, match="line 1: "):
             renamed(refused, "here", {"cable_model": "p.cable_model", "cable_model.kernels": "k"})

@@ -88,7 +88,8 @@ BAD_FOR_ONE = {
             "0 staggered, 1 box.",
         ),
         "anchored body": (
-            {"lower_end.anchored": True}, "body.mass = 500 kg: must be 0 at an anchored end. Remove [body] or lower_end.anchored.",
+            {"lower_end.anchored": True},
+            "body.mass = 500 kg: must be 0 at an anchored end. Remove [body], in an FMU by zeros of all its values, or lower_end.anchored.",
         ),
         "grading": (
             {"solver.grading": 0.5},

@@ -41,7 +41,7 @@ REFUSED = [
     ({"cable": CABLE, "water": {}}, "cable.diameter = 0 m: must be > 0 in water. Give the diameter, or remove [water]."),
     (
         {"cable": CABLE, "body": {"mass": 2.0}, "lower_end": {"anchored": True}},
-        "body.mass = 2 kg: must be 0 at an anchored end. Remove [body] or lower_end.anchored.",
+        "body.mass = 2 kg: must be 0 at an anchored end. Remove [body], in an FMU by zeros of all its values, or lower_end.anchored.",
     ),
     (
         {"cable": CABLE, "body": {"volume": 0.5}},

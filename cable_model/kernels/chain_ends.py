@@ -106,7 +106,8 @@ def _as_prescribed(held, parts, p, view, velocity, position, h):
 @kernel
 def _drawn_to(held, parts, p, view, velocity, position, h):
     """Velocity that also removes the drift between the prescribed top and its integrated position, a quarter of it within h."""
-    return axpy(0.25 / h, sub(position, grid.held_top(parts.box, parts.inextensible, view, position)), velocity)
+    integrated = grid.held_top(parts.box, parts.inextensible, view, _anchored(held, parts.space, p))
+    return axpy(0.25 / h, sub(position, integrated), velocity)
 
 
 _above_seabed = by_presence(_as_prescribed, _drawn_to)

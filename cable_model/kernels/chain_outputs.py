@@ -99,8 +99,8 @@ def outputs(parts, p, state, work, out):
     out[4] = _declination(t.top)
     _spread(parts.space, position, state[header.TOP + 1], out, 5)
     _spread(parts.space, velocity, 0.0, out, 8)
-    out[11] = end
-    out[12] = max(largest, pulled)
+    out[11] = _end_tension(parts.driven, parts, problem, view, force.lower, t.lower, end)
+    out[12] = max(largest, pulled, out[11]) if parts.driven is not None else max(largest, pulled)
     out[13] = smallest
     out[14] = slack
     out[15] = state[header.STEPS]
@@ -119,6 +119,17 @@ def outputs(parts, p, state, work, out):
 def _declination(t):
     """Angle from straight down of a cable whose tangent towards the top is t."""
     return math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
+
+
+@kernel
+def _end_tension(driven, parts, problem, view, force, t, end):
+    """Tension at the lower end: where it is driven that of the force on what drives it, as at the top."""
+    if driven is None:
+        return end
+    pulled = 0.0
+    for k in range(len(t)):
+        pulled += force[k] * t[k]
+    return limited(parts, problem.numeric, view.mesh[0, 0], pulled)
 
 
 @kernel

@@ -301,7 +301,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
     end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
-    tangents = Ends(unit(load(view.y, n - 2, top)), unit(load(view.y, 0, top)))
+    tangents = Ends(unit(load(view.y, n - 2, top)), staggered_chain.lower_tangent(mesh, view.y, top))
     end = limited(parts, problem.numeric, mesh[0, 0], end)
     return forces, tangents, position, load(view.y, n, top), end, largest, smallest, slack / length
 

@@ -11,7 +11,7 @@ from cable_model.kernels.slack import floor, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
-from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, store_from, unit, zero
+from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, unit, zero
 
 
 @kernel
@@ -77,6 +77,14 @@ def tensions_now(parts, problem, mesh, y, force, force_old, ahead, top, cells):
 def axial_force(parts, numeric, mesh, y, i, like, s):
     """N of cell i: its tension and what bending adds; cells[:, 0] holds the tensions T + T_c."""
     return s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]) + bent(parts.bending, numeric.bending, mesh, y, i, like)
+
+
+@kernel
+def lower_tangent(mesh, y, like):
+    """Direction of the cable at its lower end, on the line through those of the two cells above it."""
+    first, second = load(y, 0, like), load(y, 1, like)
+    share = mesh[0, 0] / (mesh[0, 0] + mesh[1, 0])
+    return unit(mix(1.0 + share, first, -share, second))
 
 
 @kernel

@@ -16,7 +16,7 @@ from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, un
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION = range(14, 22)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER = range(14, 24)
 # of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
 TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
@@ -39,6 +39,8 @@ FEWEST = 1e-4  # of the cable's length: ways below it say nothing
 SLOWEST = 1e-2  # of sqrt(g length): changes of velocity below it say nothing
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
 SEVERAL = 6.0  # times the longest of a step: a motion that begins by a power of time goes farther in each step than in all before
+SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little
+TOGETHER_WITHIN = 1e-3  # of the cable's length, from one end to the other at the start
 TOUCHED = 1e-6  # of the cable's length: before the first step the top is where the inputs say, but for rounding
 RESTING = 1e-9  # of a free fall over the cable's length: a top with a mass that rests is moved by rounding
 KICK = 0.2  # of the motion's own inertia
@@ -263,6 +265,19 @@ def watch_set_off(parts, p, state, along, outputs):
 
 
 @kernel
+def _watch_ends(parts, p, state, lower):
+    """Ends that inputs move, the lower one at `lower` (3,): one that they push into the seabed, both where they begin in one place."""
+    lowest = min(state[TOP + 2], lower[2]) if parts.driven is not None else state[TOP + 2]
+    if parts.seabed is not None and lowest < p[0].seabed.level - SUNK * p[0].cable.diameter:
+        note(state, BURIED, lowest, p[0].seabed.level)
+    if parts.driven is None or state[STEPS] > 0.0 or state[PENDING] > 0.0:
+        return
+    apart = norm(sub((state[TOP], state[TOP + 1], state[TOP + 2]), (lower[0], lower[1], lower[2])))
+    if apart < TOGETHER_WITHIN * p[0].cable.length:
+        note(state, TOGETHER, max(apart, 1e-300), p[0].cable.length)
+
+
+@kernel
 def watch_outputs(parts, p, state, outputs):
     """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
     if state[STEPS] == 0.0:
@@ -271,6 +286,7 @@ def watch_outputs(parts, p, state, outputs):
     else:
         _watch_wave_steps(parts.waves, p, state)
     _watch_level(parts, state, outputs[7])
+    _watch_ends(parts, p, state, outputs[5:8])
     begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
     allowed = (EMERGED if begun else TOUCHED) * p[0].cable.length  # where a run starts above the water, it is meant to
     lower_z = outputs[7]

@@ -16,6 +16,7 @@ import numba
 from cable_model.kernels import grid, header, layout
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
+from cable_model.kernels.path import Ends
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
 from cable_model.models import MODELS
@@ -137,7 +138,7 @@ def _stepper(case: str, nodes: int) -> Callable[[], int]:
 
     def step_once() -> int:
         state[header.CONTRACTION] = 1e-9
-        return int(grid.newton_step(parts.box, parts, problem, view, c, 0.5, 0.005, 1.0, place, place, velocity, winding))
+        return int(grid.newton_step(parts.box, parts, problem, view, c, 0.5, 0.005, 1.0, place, place, Ends(velocity, velocity), winding))
 
     return step_once
 
