@@ -210,7 +210,7 @@ def build(model: str, scene: Scene, to: Path, root: Path = HERE, precompile: boo
     return to
 
 
-def _check_arguments(scene: str, output: Path | None, model: str, native: bool | None, platform: Sequence[str]) -> None:
+def _check_arguments(scene: str, output: Path | None, model: str, native: bool | None, platform: Sequence[str], fmi3: bool | None) -> None:
     """Refuse what would be ignored, and an output that would take the place of something else."""
     if not scene and model:
         raise ParameterError("--model: must be left out where no scene is baked in: FMUs of both are built. Name a scene.")
@@ -218,8 +218,9 @@ def _check_arguments(scene: str, output: Path | None, model: str, native: bool |
         raise ParameterError(f"--output = {output}: must end in .fmu. Give the FMU another name than the scene.")
     if output is not None and not scene and output.suffix == ".fmu":
         raise ParameterError(f"--output = {output}: must be a folder where no scene is baked in. Name the scene, or a folder.")
-    if platform and (native is False or (scene and not native)):
-        raise ParameterError("--platform: must be left out where no native FMU is built. Add --native.")
+    for option, given in (("--platform", platform), ("--fmi3", fmi3)):
+        if given and (native is False or (scene and not native)):
+            raise ParameterError(f"{option}: must be left out where no native FMU is built. Add --native.")
 
 
 def main(
@@ -232,6 +233,9 @@ def main(
     platform: Annotated[
         list[str] | None, typer.Option(help="of native FMUs: linux64, win64, darwin64, aarch64-linux; may be repeated; default: all it can")
     ] = None,
+    fmi3: Annotated[
+        bool | None, typer.Option(help="also build the native FMUs as FMI 3.0, into fmi3/ beside; default: only without a scene")
+    ] = None,
     precompile: Annotated[bool, typer.Option(help="ship compiled kernels, so that the FMUs start at once (64-bit x86 Linux)")] = True,
     date: Annotated[str, typer.Option(help="date and time that the FMUs carry, as 2026-05-31T12:00:00Z, or now; default: 1980")] = "",
     simulate: Annotated[str, typer.Option(help="a scene to simulate the built FMUs on, through fmpy; results go to results/")] = "",
@@ -239,7 +243,7 @@ def main(
     """Build the FMUs, and try them on a scene if one is named."""
     try:
         check_output(output, folder=not scene)
-        _check_arguments(scene, output, model, native, platform or ())
+        _check_arguments(scene, output, model, native, platform or (), fmi3)
         if date:
             os.environ["SOURCE_DATE_EPOCH"] = str(epoch_of(date))
         if simulate:
@@ -253,15 +257,21 @@ def main(
                 raise ParameterError(f"--model = {key!r}: must be one of {', '.join(MODELS)}. Choose one of them.")
             target = output or Path("dist") / f"{Path(scene).stem}.fmu"
             if native:
-                made = [native_build.build_native(key, target.parent / "native" / target.name, baked, platform or ())]
+                folders = {"native": "2.0"} | ({"fmi3": "3.0"} if fmi3 else {})
+                made = [
+                    native_build.build_native(key, target.parent / folder / target.name, baked, platform or (), fmi)
+                    for folder, fmi in folders.items()
+                ]
             tried = {key: build(key, baked, target, precompile=precompile)}
             made = [*tried.values(), *made]
         else:
             dist = output or Path("dist")
             if can_export() and (precompile or native is not False):
                 prepare_generic()
-            asked = native or platform  # then what cannot be linked is an error
-            made = native_build.build_all(dist, platform or (), bool(asked)) if native is not False else []
+            asked = bool(native or platform or fmi3)  # then what cannot be linked is an error
+            made = native_build.build_all(dist, platform or (), asked) if native is not False else []
+            if made and fmi3 is not False:
+                made += native_build.build_all(dist / "fmi3", platform or (), asked, "3.0")
             python = dist / "python"
             tried = {key: build(key, generic_scene(), python / f"{IDENTIFIERS[key]}.fmu", precompile=precompile) for key in MODELS}
             made += tried.values()

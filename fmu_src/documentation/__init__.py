@@ -1,1 +1,1 @@
-"""What an FMU says of itself to people: documentation/index.html, its licences and model.png, laid out as FMI 2.0 asks."""
+"""What an FMU says of itself to people: documentation/index.html, its licences and model.png, laid out as FMI asks."""

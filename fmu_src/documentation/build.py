@@ -18,7 +18,8 @@ ABOUT = {
     "chain": "A cable under a moving top end: the full finite-difference chain, which bends, goes slack and touches the seabed.",
     "tow": "A straight cable under a moving top end, which swings and stretches, with a body at its lower end.",
 }
-NATIVE = "It needs no Python, on {}. FMUs of one scene for other platforms have the same GUID."
+NATIVE = "It needs no Python, on {}. FMUs of one scene for other platforms have the same {}."
+PICTURES = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}  # by the version of FMI
 PYTHON = (
     "It runs Python: 3.11 or newer with numpy and numba (or llvmlite alone, for effects that were compiled in) where the host finds it; on "
     "Linux a host that is not Python needs libpython too."
@@ -33,21 +34,23 @@ def _row(tag: str, words: Sequence[str]) -> str:
     return "<tr>" + "".join(f"<{tag}>{escape(word, quote=False)}</{tag}>" for word in words) + "</tr>"
 
 
-def page(model: str, identifier: str, rows: Sequence[Variable], scene: Scene, runs: str) -> str:
-    """documentation/index.html of an FMU of a model ("chain" or "tow"); runs: what it runs on."""
+def page(model: str, identifier: str, rows: Sequence[Variable], scene: Scene, runs: str, fmi: str = "2.0") -> str:
+    """documentation/index.html of an FMU of a model ("chain" or "tow"); runs: what it runs on; fmi: its version of FMI."""
     table = "\n".join([_row("th", COLUMNS), *(_row("td", cells(row)) for row in rows)])
     name = " ".join(dict.fromkeys((identifier, MODELS[model].__name__)))
     return Template(_read("page.html")).substitute(
         name=name, about=ABOUT[model], title=escape(scene.title), source=escape(scene.source.strip()),
         runs=runs, sketch=_read("sketch.svg"), equations=_read(f"{model}.html"), limits=_read(f"{model}_limits.html"),
-        table=f"<table>\n{table}\n</table>", version=__version__,
+        table=f"<table>\n{table}\n</table>", version=__version__, fmi=fmi,
     )  # fmt: skip
 
 
-def files(model: str, identifier: str, rows: Sequence[Variable], scene: Scene, runs: str, licences: Mapping[str, str]) -> dict[str, bytes]:
+def files(
+    model: str, identifier: str, rows: Sequence[Variable], scene: Scene, runs: str, licences: Mapping[str, str], fmi: str = "2.0"
+) -> dict[str, bytes]:
     """What an archive holds for people, by its place there; the licences come by their names in documentation/licenses/."""
     return {
-        "model.png": (HERE / "model.png").read_bytes(),
-        "documentation/index.html": page(model, identifier, rows, scene, runs).encode(),
+        PICTURES[fmi]: (HERE / "model.png").read_bytes(),
+        "documentation/index.html": page(model, identifier, rows, scene, runs, fmi).encode(),
         **{f"documentation/licenses/{name}": text.encode() for name, text in licences.items()},
     }

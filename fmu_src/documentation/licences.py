@@ -12,13 +12,15 @@ from importlib import metadata
 from cable_model import __version__
 from cable_model.errors import ParameterError
 from fmu_src.native import link
+from fmu_src.native.targets import TARGETS
 
-_FMI = "It was compiled with the FMI 2.0 headers of the Modelica Association, 2-clause BSD: fmi.txt."
+_FMI = "It was compiled with the FMI {} headers of the Modelica Association, 2-clause BSD: fmi.txt."
 _NOTHING = "binaries/{} is this project's code alone and loads the system's C library."
 _COMPILER = """binaries/{} was linked by the C compiler of the machine that built it, and has its start-up code (GCC's is under the GPL
 with the GCC Runtime Library Exception)."""
-_WINDOWS = """binaries/win64 has of mingw-w64 the start-up code and wrappers of stdio (Zope Public License 2.1, in parts public domain:
+_WINDOWS = """binaries/{} has of mingw-w64 the start-up code and wrappers of stdio (Zope Public License 2.1, in parts public domain:
 mingw-w64.txt), and of zig its compiler run time and C library (MIT: zig.txt; in parts after musl, MIT: musl.txt)."""
+_WINDOWS_FOLDERS = [folder for target in TARGETS if target.suffix == ".dll" for folder in (target.folder, target.folder3)]
 _PYTHONFMU = "resources/pythonfmu, binaries/win64 and the library that ends in _pythonfmu are PythonFMU's (MIT: pythonfmu.txt)."
 _ATEXIT = """The library before it in binaries/linux64 has of the GNU C Library the function atexit: LGPL 2.1 or later, with unlimited
 permission to link the compiled function with other programs and to distribute those without any restriction coming from it."""
@@ -33,25 +35,29 @@ def _text(package: str, name: str) -> str:
     return found
 
 
-def _fmi() -> str:
-    """The notice in the FMI headers."""
-    text = (link.fmi_headers() / "fmi2Functions.h").read_text(encoding="utf-8")
+def _notice(header: str) -> str:
+    """The notice in an FMI header."""
+    text = (link.fmi_headers() / header).read_text(encoding="utf-8")
     return text[text.index("Copyright (C)") : text.index("*/", text.index("Copyright (C)"))].rstrip() + "\n"
 
 
-def _with_own(words: Sequence[str], others: dict[str, str]) -> dict[str, str]:
+def _with_own(words: Sequence[str], others: dict[str, str], fmi: str = "2.0") -> dict[str, str]:
+    versions = [version for version in ("2.0", "3.0") if version <= fmi]  # the layer of 3.0 is one over that of 2.0
     head = f"This FMU was made by cable-fmu {__version__}, whose licence is below.\n"
-    text = "\n".join([head, *words, _FMI, "", _text("cable-fmu", "LICENSE")])
-    return {"license.txt": text, "fmi.txt": _fmi(), **others}
+    text = "\n".join([head, *words, _FMI.format(" and ".join(versions)), "", _text("cable-fmu", "LICENSE")])
+    notices = [_notice(f"fmi{version[0]}Functions.h") for version in versions]
+    return {"license.txt": text, "fmi.txt": "\n".join(notices), **others}
 
 
-def of_native(folders: Sequence[str]) -> dict[str, str]:
-    """Texts by their names in documentation/licenses/ of a native FMU for the platforms with these folders in binaries/."""
-    words = [(_NOTHING if link.has_zig() else _COMPILER).format(folder) for folder in folders if folder != "win64"]
-    if "win64" not in folders:
-        return _with_own(words, {})
+def of_native(folders: Sequence[str], fmi: str = "2.0") -> dict[str, str]:
+    """Texts by their names in documentation/licenses/ of a native FMU of this version of FMI with these folders in binaries/."""
+    windows = [folder for folder in folders if folder in _WINDOWS_FOLDERS]
+    words = [(_NOTHING if link.has_zig() else _COMPILER).format(folder) for folder in folders if folder not in windows]
+    if not windows:
+        return _with_own(words, {}, fmi)
     licences = {"mingw-w64.txt": "lib/libc/mingw/COPYING", "zig.txt": "LICENSE", "musl.txt": "lib/libc/musl/COPYRIGHT"}
-    return _with_own([*words, _WINDOWS], {name: _text("ziglang", f"ziglang/{place}") for name, place in licences.items()})
+    texts = {name: _text("ziglang", f"ziglang/{place}") for name, place in licences.items()}
+    return _with_own([*words, *map(_WINDOWS.format, windows)], texts, fmi)
 
 
 def of_python(launched: bool) -> dict[str, str]:

@@ -8,13 +8,15 @@ import re
 import sys
 import uuid
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 from xml.etree.ElementTree import Element, indent, tostring
 
 from cable_model import __version__
 from cable_model.models import MODELS
 from cable_model.scene import Scene
+from fmu_src import fmi3
 from fmu_src.documentation import build as documentation
 from fmu_src.documentation import licences
 from fmu_src.entries import Variant
@@ -31,13 +33,42 @@ SOURCES = ("fmu.c", "component.h", "values.h", "state.h", "absent.h", "log.h")
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def _libraries(header: str, model: str, variants: Sequence[Variant], targets: Sequence[Target]) -> dict[tuple[str, str], bytes]:
+class Layer(NamedTuple):
+    """What a version of FMI has of its own in an FMU."""
+
+    sources: tuple[str, ...]  # in C; the first is compiled, and includes the others
+    folder: str  # the field of Target that names a platform's folder
+    token: str  # what the GUID is called
+    description: Callable[[str, str, Sequence[Variable], Scene, str, str], Element]  # as model_description
+    variables: Callable[[Sequence[Variable]], Sequence[Variable]]  # from the interface table
+    ends: tuple[str, Callable[[], Element]]  # the file that tells which variables belong to an end of the cable
+
+
+def _fmi2_description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, description: str, tool: str) -> Element:
+    root = model_description(identifier, guid, rows, scene, description, tool, interpolates=True)
+    for capabilities in root.iter("CoSimulation"):
+        capabilities.set("canNotUseMemoryManagementFunctions", "false")
+    return root
+
+
+LAYERS = {
+    "2.0": Layer(SOURCES, "folder", "GUID", _fmi2_description, tuple, ("resources/OspModelDescription.xml", osp_description)),
+    "3.0": Layer(
+        ("fmi3.c", "absent3.h", *SOURCES), "folder3", "instantiation token",
+        fmi3.model_description, fmi3.variables, ("terminalsAndIcons/terminalsAndIcons.xml", fmi3.terminals),
+    ),
+}  # fmt: skip
+
+
+def _libraries(
+    header: str, model: str, variants: Sequence[Variant], targets: Sequence[Target], layer: Layer
+) -> dict[tuple[str, str], bytes]:
     """Libraries of an FMU by their folders in binaries/ and their suffixes."""
     slices: dict[tuple[str, str], list[bytes]] = {}
     for target in targets:
         files = {"model.h": header.encode(), "kernels.o": object_code(model, variants, target)}
-        made = link.library(target, files, [HERE / name for name in SOURCES], ["fmu.c", "kernels.o"], ["-lm"])
-        slices.setdefault((target.folder, target.suffix), []).append(made)
+        made = link.library(target, files, [HERE / name for name in layer.sources], [layer.sources[0], "kernels.o"], ["-lm"])
+        slices.setdefault((getattr(target, layer.folder), target.suffix), []).append(made)
     return {place: made[0] if len(made) == 1 else link.universal(made) for place, made in slices.items()}
 
 
@@ -46,12 +77,9 @@ def _guid(*facts: str | bytes) -> str:
     return "{" + str(uuid.UUID(bytes=digest[:16])) + "}"
 
 
-def _description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, model: str) -> bytes:
+def _description(layer: Layer, identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, model: str) -> bytes:
     text = f"{MODELS[model].__name__}: cable under a moving top end. {scene.title}".strip()
-    root = model_description(identifier, guid, rows, scene, text, f"cable_fmu {__version__}, native", interpolates=True)
-    for capabilities in root.iter("CoSimulation"):
-        capabilities.set("canNotUseMemoryManagementFunctions", "false")
-    return _xml(root)
+    return _xml(layer.description(identifier, guid, rows, scene, text, f"cable_fmu {__version__}, native"))
 
 
 def _xml(root: Element) -> bytes:
@@ -69,39 +97,38 @@ def _zip(files: dict[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
-def build_native(model_name: str, destination: Path, scene: Scene | None = None, platforms: Sequence[str] = ()) -> Path:
-    """Write the native FMU of a model ("chain" or "tow") for some platforms, by their folders in an FMU; none named: for all it can.
+def build_native(model_name: str, destination: Path, scene: Scene | None = None, platforms: Sequence[str] = (), fmi: str = "2.0") -> Path:
+    """Write the native FMU of a model ("chain" or "tow") for some platforms, by their folders in an FMU of FMI 2.0; none: for all it can.
 
     scene None: the parameters decide on the effects when the FMU initializes; otherwise the scene is baked in and only its effects are
-    compiled.  The same input gives the same bytes.  Raises ParameterError where nothing can be linked.
+    compiled.  fmi: "2.0" or "3.0".  The same input gives the same bytes.  Raises ParameterError where nothing can be linked.
     """
-    targets = link.chosen(platforms)
+    targets, layer = link.chosen(platforms), LAYERS[fmi]
     identifier = re.sub(r"\W", "_", destination.stem, flags=re.ASCII)
     identifier = identifier if identifier[:1].isalpha() else f"Cable_{identifier}"
     base = generic_scene() if scene is None else scene
     rows, variants = table(base), variants_of(model_name, scene)
     header = c_header(identifier, rows, base, model_name, variants)
-    sources = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
-    draft = _description(identifier, "", rows, base, model_name)
+    sources = [(HERE / name).read_text(encoding="utf-8") for name in layer.sources]
+    draft = _description(layer, identifier, "", rows, base, model_name)
     guid = _guid(header, bitcode(model_name, variants), *sources, draft)
-    folders = list(dict.fromkeys(target.folder for target in targets))
-    libraries = _libraries(f'#define MODEL_GUID "{guid}"\n{header}', model_name, variants, targets)
+    libraries = _libraries(f'#define MODEL_GUID "{guid}"\n{header}', model_name, variants, targets, layer)
+    folders = [folder for folder, _ in libraries]
+    runs, (place, ends) = documentation.NATIVE.format(", ".join(folders), layer.token), layer.ends
     files = {
-        "modelDescription.xml": _description(identifier, guid, rows, base, model_name),
+        "modelDescription.xml": _description(layer, identifier, guid, rows, base, model_name),
         **{f"binaries/{folder}/{identifier}{suffix}": made for (folder, suffix), made in libraries.items()},
-        "resources/OspModelDescription.xml": _xml(osp_description()),
-        **documentation.files(
-            model_name, identifier, rows, base, documentation.NATIVE.format(", ".join(folders)), licences.of_native(folders)
-        ),
+        place: _xml(ends()),
+        **documentation.files(model_name, identifier, layer.variables(rows), base, runs, licences.of_native(folders, fmi), fmi),
     }
     destination.parent.mkdir(parents=True, exist_ok=True)
     destination.write_bytes(_zip(files))
     return destination
 
 
-def build_all(folder: Path, platforms: Sequence[str] = (), must: bool = False) -> list[Path]:
+def build_all(folder: Path, platforms: Sequence[str] = (), must: bool = False, fmi: str = "2.0") -> list[Path]:
     """The generic native FMUs of both models; where nothing can be linked, none and a line on stderr, or ParameterError if they `must`."""
     if not must and not link.available():
         sys.stderr.write("No native FMUs: they need zig (pip install ziglang) or, on 64-bit Linux, a C compiler (cc, gcc or clang).\n")
         return []
-    return [build_native(model, folder / f"{identifier}.fmu", platforms=platforms) for model, identifier in IDENTIFIERS.items()]
+    return [build_native(model, folder / f"{name}.fmu", platforms=platforms, fmi=fmi) for model, name in IDENTIFIERS.items()]

@@ -7,6 +7,7 @@ class Target(NamedTuple):
     """A platform, or one of the two processors of macOS."""
 
     folder: str  # in binaries/ of an FMU
+    folder3: str  # the same in FMI 3.0
     suffix: str  # of its library
     triple: str  # for LLVM
     processor: str  # the oldest that runs the code, for LLVM
@@ -15,11 +16,11 @@ class Target(NamedTuple):
 
 
 _ELF = ("-fPIC", "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack")
-LINUX = Target("linux64", ".so", "x86_64-unknown-linux-gnu", "x86-64", "x86_64-linux-gnu.2.17", _ELF)
+LINUX = Target("linux64", "x86_64-linux", ".so", "x86_64-unknown-linux-gnu", "x86-64", "x86_64-linux-gnu.2.17", _ELF)
 TARGETS = (
     LINUX,
-    Target("win64", ".dll", "x86_64-w64-windows-gnu", "x86-64", "x86_64-windows-gnu"),
-    Target("darwin64", ".dylib", "x86_64-apple-macosx11.0.0", "core2", "x86_64-macos.11.0-none"),
-    Target("darwin64", ".dylib", "arm64-apple-macosx11.0.0", "apple-m1", "aarch64-macos.11.0-none"),
-    Target("aarch64-linux", ".so", "aarch64-unknown-linux-gnu", "generic", "aarch64-linux-gnu.2.17", _ELF),
+    Target("win64", "x86_64-windows", ".dll", "x86_64-w64-windows-gnu", "x86-64", "x86_64-windows-gnu"),
+    Target("darwin64", "x86_64-darwin", ".dylib", "x86_64-apple-macosx11.0.0", "core2", "x86_64-macos.11.0-none"),
+    Target("darwin64", "aarch64-darwin", ".dylib", "arm64-apple-macosx11.0.0", "apple-m1", "aarch64-macos.11.0-none"),
+    Target("aarch64-linux", "aarch64-linux", ".so", "aarch64-unknown-linux-gnu", "generic", "aarch64-linux-gnu.2.17", _ELF),
 )
