@@ -72,9 +72,8 @@ def terminals() -> Element:
     ends = SubElement(root, "Terminals")
     for end, words in (("top", "top"), ("lower", "lower end (needs lower_end.driven)")):
         # "bus": a host may connect fewer members, as positions alone
-        terminal = SubElement(
-            ends, "Terminal", name=end, matchingRule="bus", description=f"{words}: motion, and the force of the cable on its attachment"
-        )
+        text = f"{words}: motion, and the force of the cable on its attachment"
+        terminal = SubElement(ends, "Terminal", name=end, matchingRule="bus", description=text)
         for member in (f"{kind}{axis}" for kind in ("force_", "", "v") for axis in "xyz"):
             SubElement(terminal, "TerminalMemberVariable", variableName=f"{end}.{member}", memberName=member, variableKind="signal")
     return root

@@ -9,6 +9,7 @@ from typing import Any
 
 import numba
 import pytest
+from fmi3_support import Fmu3
 from fmi_calls import Component, Library
 from fmu_support import Fmu
 from native_support import KEYS
@@ -37,7 +38,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return 0 if "native" in groups else 2 if item.get_closest_marker("shipped") else 1
 
     for item in items:
-        if {"fmu", "fmus", "native"} & set(getattr(item, "fixturenames", ())):
+        if {"fmu", "fmus", "native", "native3"} & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.xdist_group("native"))
     items.sort(key=turn)
 
@@ -71,6 +72,13 @@ def native(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
     """The generic native FMUs, by the model's key."""
     folder = tmp_path_factory.mktemp("native")
     return {KEYS[path.stem]: Fmu(path, folder / path.stem) for path in build.build_all(folder, ["linux64"])}
+
+
+@pytest.fixture(scope="session")
+def native3(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
+    """The generic FMUs of FMI 3.0 for all platforms, by the model's key."""
+    folder = tmp_path_factory.mktemp("fmi3")
+    return {KEYS[path.stem]: Fmu3(path, folder / path.stem) for path in build.build_all(folder, fmi="3.0")}
 
 
 @pytest.fixture(params=sorted(MODELS))
