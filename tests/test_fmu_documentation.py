@@ -103,19 +103,20 @@ def test_a_library_for_windows_brings_the_licences_of_mingw_and_zig():
     assert "binaries/linux64 is this project's code alone" in found["license.txt"]
 
 
+@pytest.mark.parametrize("layer", build.LAYERS.values(), ids=build.LAYERS)
 @pytest.mark.parametrize("target", ELF, ids=lambda target: target.folder)
-def test_zig_links_nothing_into_libraries_of_linux_but_this_projects_code(target, monkeypatch, tmp_path):
+def test_zig_links_nothing_into_libraries_of_linux_but_this_projects_code(target, layer, monkeypatch, tmp_path):
     pytest.importorskip("ziglang")
-    variants = object_code.GENERIC["tow"]
+    unit, variants = layer.sources[0], object_code.GENERIC["tow"]
     files = {
         "model.h": header.c_header("X", table(), generic_scene(), "tow", variants).encode() + b'\n#define MODEL_GUID "x"\n',
         "kernels.o": object_code.object_code("tow", variants, target),
     }
     monkeypatch.setattr(link, "FLAGS", tuple(flag for flag in link.FLAGS if flag != "-Wl,-s"))
-    sources = [build.HERE / name for name in build.SOURCES]
+    sources = [build.HERE / name for name in layer.sources]
     whole, own = (
         link.library(target._replace(flags=flags), files, sources, units, ["-lm"])
-        for flags, units in ((target.flags, ["fmu.c", "kernels.o"]), ((*target.flags, "-c", "-fno-lto"), ["fmu.c"]))
+        for flags, units in ((target.flags, [unit, "kernels.o"]), ((*target.flags, "-c", "-fno-lto"), [unit]))
     )
     assert defined(whole, tmp_path) - {"_DYNAMIC"} <= defined(own, tmp_path) | defined(files["kernels.o"], tmp_path)
 
