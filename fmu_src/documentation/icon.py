@@ -6,15 +6,16 @@ from pathlib import Path
 
 import numpy as np
 
-PIXELS = 200
+PIXELS, COLOURS = 200, 24
 
 
 def draw(path: Path) -> None:
-    """A cable from a vessel at the surface to a body."""
+    """A cable from a vessel at the surface to a body, in few colours: every FMU has it."""
     import matplotlib
 
     matplotlib.use("agg")
     from matplotlib import pyplot
+    from PIL import Image
 
     figure = pyplot.figure(figsize=(2.0, 2.0), dpi=PIXELS / 2.0)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0), xlim=(0.0, 1.0), ylim=(0.0, 1.0))
@@ -28,6 +29,8 @@ def draw(path: Path) -> None:
     axes.plot(0.2, 0.2, "o", color="#555577", markersize=16.0)
     figure.savefig(path, metadata={"Software": None})
     pyplot.close(figure)
+    with Image.open(path) as drawn:
+        drawn.convert("RGB").quantize(COLOURS).save(path, optimize=True)
 
 
 if __name__ == "__main__":
