@@ -20,6 +20,7 @@ class JustInTime:
     def __init__(self, kernels: ModuleType, order: int, parts: Any, numbers: np.ndarray, held: Any = None) -> None:
         self._kernels, self._order, self._parts, self._held = kernels, order, parts, held
         self._numbers = for_kernels(numbers)
+        self._driven = parts.driven is not None
         self.state = np.zeros(kernels.state_size(parts, numbers))
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
@@ -76,7 +77,7 @@ class JustInTime:
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:
             self.read_outputs()
-            exchange.end_exchange(self._numbers, self.state, step, self.outputs)
+            exchange.end_exchange(self._driven, self.state, step, self.outputs)
         return status
 
     def points(self, even: bool, at: np.ndarray) -> None:

@@ -63,7 +63,7 @@ open_audit = by_presence(_no_account, _open)  # at the start, with the cable in 
 
 
 @kernel
-def forces_at_end(parts, problem, view, state, c, time, h, top):
+def forces_at_end(parts, problem, view, state, c, time, h, top, lower):
     """Forces as outputs would tell them at the end of the step of h just taken, where `top` is and `time`; before y1 is the state."""
     n = view.mesh.shape[0] + 1
     offset = (c.alpha_m - c.alpha_k) * h
@@ -73,7 +73,7 @@ def forces_at_end(parts, problem, view, state, c, time, h, top):
     lag = c.alpha_k * h
     ahead = lag / (h - lag + state[LAG])
     tensions_now(parts, problem, view.mesh, view.y1, view.force, view.force_old, ahead, top, view.scratch.cells)
-    return end_forces(parts, problem, view.mesh, view.y1, view.scratch.a, top, unwound(problem), time, view.scratch)
+    return end_forces(parts, problem, view.mesh, view.y1, view.scratch.a, top, lower, unwound(problem), time, view.scratch)
 
 
 @kernel
@@ -107,13 +107,14 @@ def _count_end(parts, state, kept, told, force, way, faster, h):
 
 
 @kernel
-def _not_counted(audit, parts, problem, view, state, c, time, h, before, after, ways, faster, force):
+def _not_counted(audit, parts, problem, view, state, c, time, h, begun, ended, faster, force):
     return
 
 
 @kernel
-def _count(audit, parts, problem, view, state, c, time, h, before, after, ways, faster, force):
+def _count(audit, parts, problem, view, state, c, time, h, begun, ended, faster, force):
     mesh, y0, y1 = view.mesh, view.y, view.y1
+    before, after = begun.top, ended.top
     water, water_work = water_in_step(parts, problem, mesh, y0, y1, before, after, h, time + 0.5 * h)
     bed, bed_work = bed_in_step(parts.seabed, parts, problem, mesh, y0, y1, before, after, view.sliders, view.scratch.contact, h)
     fading = view.scratch.cells[:, view.scratch.cells.shape[1] + FADING]
@@ -126,16 +127,16 @@ def _count(audit, parts, problem, view, state, c, time, h, before, after, ways, 
     lacking = sub(scale(1.0 / h, change), add(add(weight, on_top), add(water, add(bed, anchor))))
     acting = norm(on_top) + norm(weight) + norm(water) + norm(bed) + norm(anchor)
     kinetic, potential, strained = stored(parts, problem, mesh, y1, after)
-    forces = forces_at_end(parts, problem, view, state, c, time + h, h, after)
-    _count_end(parts, state, FORCE, TOLD, forces.top, ways.top, faster.top, h)
+    forces = forces_at_end(parts, problem, view, state, c, time + h, h, after, ended.lower)
+    _count_end(parts, state, FORCE, TOLD, forces.top, sub(after, before), faster.top, h)
     if parts.driven is not None:
-        _count_end(parts, state, LOWER_FORCE, TO_LOWER + TOLD, forces.lower, ways.lower, faster.lower, h)
+        _count_end(parts, state, LOWER_FORCE, TO_LOWER + TOLD, forces.lower, sub(ended.lower, begun.lower), faster.lower, h)
     state[GAP] = h
     _settle(state, h, kinetic, potential, strained, dot(lacking, lacking), acting * acting)
 
 
-# an internal step of h from `time`, whose y is still the state and whose y1 the next one; the top goes from `before` to `after`, the ends
-# go `ways` and get `faster`, with the force (Fx, Fy, Fz) on the attachment in the middle of the step
+# an internal step of h from `time`, whose y is still the state and whose y1 the next one; the ends go from the places `begun` to those
+# `ended` and get `faster`, with the force (Fx, Fy, Fz) on the attachment in the middle of the step
 count_step = by_presence(_not_counted, _count)
 
 

@@ -153,14 +153,13 @@ def _count(parts, problem, view, state, c, time, course, done, h):
     winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
     before, slower = ends_on(parts, course, done)
     after, faster = ends_on(parts, course, done + h)
-    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before.top, after.top, winding)
+    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
     late, gap = (0.5 - c.alpha_k) * h, h - c.alpha_k * h + state[header.LAG]
     middle = add_averaged(0, state, in_axes(parts.space, force.top, 0.0), late, gap, h, done, course.span)
     if parts.driven is not None:
         add_averaged(TO_LOWER, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
-    ways = Ends(sub(after.top, before.top), sub(after.lower, before.lower))
     gained = Ends(sub(faster.top, slower.top), sub(faster.lower, slower.lower))
-    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before.top, after.top, ways, gained, middle)
+    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, gained, middle)
 
 
 @kernel

@@ -88,15 +88,15 @@ def _settle(end, state, span, share, force):
 
 
 @kernel
-def end_exchange(p, state, span, outputs):
-    """Settle a communication step of `span` that left these outputs, into which its mean forces go."""
+def end_exchange(driven, state, span, outputs):
+    """Settle a communication step of `span` that left these outputs, into which its mean forces go; `driven`: of both ends."""
     share = 0.0
     if state[PENDING] == 0.0:
         share = min(span / state[STEP], 1.0)
     _settle(0, state, span, share, outputs[0:3])
     for k in range(3):
         state[NEXT + k] = outputs[k]
-    if p[0].lower_end.driven > 0.0:
+    if driven:
         _settle(TO_LOWER, state, span, share, outputs[LOWER_FORCES : LOWER_FORCES + 3])
     tell_exchange(state, outputs)
 

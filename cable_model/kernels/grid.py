@@ -170,8 +170,8 @@ keep = by_presence(_staggered_keep, _box_keep)  # what the next step needs, besi
 @kernel
 def _staggered_forces(box, parts, problem, view, c, time, h, before, after, winding):
     return staggered_chain.mean_forces(
-        parts, problem, c, h, view.mesh, view.y, view.yd0, view.y1, mix(1.0 - c.alpha_k, after, c.alpha_k, before), winding,
-        time + (1.0 - c.alpha_k) * h, view.scratch,
+        parts, problem, c, h, view.mesh, view.y, view.yd0, view.y1, mix(1.0 - c.alpha_k, after.top, c.alpha_k, before.top),
+        mix(1.0 - c.alpha_k, after.lower, c.alpha_k, before.lower), winding, time + (1.0 - c.alpha_k) * h, view.scratch,
     )  # fmt: skip
 
 
@@ -300,7 +300,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
     end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
-    forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, winding, time, view.scratch)
+    forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
     tangents = Ends(unit(load(view.y, n - 2, top)), staggered_chain.lower_tangent(mesh, view.y, top))
     end = limited(parts, problem.numeric, mesh[0, 0], end)
     return forces, tangents, position, load(view.y, n, top), end, largest, smallest, slack / length

@@ -178,6 +178,10 @@ def views(function):
     return cut
 
 
+_RECORDS = {}  # the first of equal types of records: numba looks at their identity, and compares others field by field in every call
+
+
 def for_kernels(numbers):
     """The record of numbers as kernels are called with it: a plain array enters compiled code ten times faster than one with attributes."""
-    return numbers if numba.config.DISABLE_JIT else numbers.view(numbers.dtype, np.ndarray)
+    kind = _RECORDS.setdefault(numbers.dtype, numbers.dtype)
+    return numbers if numba.config.DISABLE_JIT else numbers.view(kind, np.ndarray)

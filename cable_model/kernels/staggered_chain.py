@@ -1,6 +1,7 @@
 """Starting rates and outputs of the chain on the staggered grid, and where its nodes are."""
 
 from cable_model.kernels import header
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
@@ -12,6 +13,8 @@ from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, unit, zero
+
+LOWEST = 3  # cells at an end that the force on what holds it asks for, with bending
 
 
 @kernel
@@ -96,34 +99,63 @@ def node_tension(parts, numeric, mesh, y, i, like, s):
 
 
 @kernel
-def _lowest(driven, n):
-    """The lowest cell that the forces on what holds the ends ask for."""
-    return max(n - 3, 0) if driven is None else 0
+def _no_force(driven, parts, problem, mesh, q, v, a, lower, winding, time, s):
+    return zero(lower)
 
 
 @kernel
-def end_forces(parts, problem, mesh, y, acceleration, top, winding, time, s):
-    """Forces of the cable on its attachment and, where it is driven, on what holds its lower end; else that is no force.
+def _force_below(driven, parts, problem, mesh, q, v, a, lower, winding, time, s):
+    """Force of the cable on what drives its lower end, which is at `lower`: its row asks for the lowest cells only."""
+    m = min(LOWEST, mesh.shape[0])
+    at = lower
+    arc = 0.0
+    for i in range(m):
+        at = axpy(mesh[i, 0], load(q, i, lower), at)
+        arc += mesh[i, 0]
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, Winding(arc, winding.rate, winding.change))
+    assemble(
+        parts, problem, gains, mesh[:m], q[:m], v[: m + 1], a[: m + 1], at, time, 0, s.bands, s.x[: m + 1], s.cells, s.contact
+    )  # fmt: skip
+    return load(s.x, 0, lower)
+
+
+_lower_force = by_presence(_no_force, _force_below)
+
+
+@kernel
+def _top_force(parts, problem, mesh, q, v, a, top, winding, time, s):
+    n = mesh.shape[0] + 1
+    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
+    assemble(parts, problem, gains, mesh, q, v, a, top, time, max(n - LOWEST, 0), s.bands, s.x, s.cells, s.contact)
+    return load(s.x, n - 1, top)
+
+
+@kernel
+def end_forces(parts, problem, mesh, y, acceleration, top, lower, winding, time, s):
+    """Forces of the cable on its attachment and on what drives its lower end (else 0), which are at `top` and `lower`.
 
     `acceleration` (n, D) is that of the nodes now; cells[:, 0] holds the tensions.
     """
-    n = mesh.shape[0] + 1
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
-    lowest = _lowest(parts.driven, n)
-    assemble(parts, problem, gains, mesh, y, y[n:], acceleration, top, time, lowest, s.bands, s.x, s.cells, s.contact)
-    return Ends(load(s.x, n - 1, top), load(s.x, 0, top))
+    v = y[mesh.shape[0] + 1 :]
+    force = _top_force(parts, problem, mesh, y, v, acceleration, top, winding, time, s)
+    return Ends(force, _lower_force(parts.driven, parts, problem, mesh, y, v, acceleration, lower, winding, time, s))
 
 
 @kernel
-def mean_forces(parts, problem, c, h, mesh, y0, yd0, y1, top, winding, time, s):
-    """The same in the step just taken, as its equations have them: at the averaged time, at which `top` is."""
+def _average_below(driven, mesh, y0, yd0, y1, c, h, rates, s, like):
+    if driven is not None:
+        average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, like, 0.0, 0, min(LOWEST, mesh.shape[0]) + 1)
+
+
+@kernel
+def mean_forces(parts, problem, c, h, mesh, y0, yd0, y1, top, lower, winding, time, s):
+    """The same in the step just taken, as its equations have them: at the averaged time, at which the ends are at `top` and `lower`."""
     rates = (c.alpha_m / (1.0 - c.alpha_m), 1.0 / (1.0 - c.alpha_m), 1.0 / (c.gamma * h), (1.0 - c.gamma) / c.gamma)
     n = mesh.shape[0] + 1
-    lowest = _lowest(parts.driven, n)
-    average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, lowest)
-    gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
-    assemble(parts, problem, gains, mesh, s.q, s.v, s.a, top, time, lowest, s.bands, s.x, s.cells, s.contact)
-    return Ends(load(s.x, n - 1, top), load(s.x, 0, top))
+    average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, max(n - LOWEST, 0))
+    force = _top_force(parts, problem, mesh, s.q, s.v, s.a, top, winding, time, s)
+    _average_below(parts.driven, mesh, y0, yd0, y1, c, h, rates, s, top)
+    return Ends(force, _lower_force(parts.driven, parts, problem, mesh, s.q, s.v, s.a, lower, winding, time, s))
 
 
 @kernel

@@ -255,11 +255,12 @@ def hold_anchor(anchor, y1, n, velocity):
 
 
 @kernel
-def average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0, lowest=0):
-    """Cell vectors and velocities at the averaged time, accelerations at theirs; from node `lowest` up."""
+def average(mesh, y0, yd0, y1, c, h, rate_old, rate_new, to_rate, back, s, like, blunt=0.0, lowest=0, beyond=0):
+    """Cell vectors and velocities at the averaged time, accelerations at theirs; from node `lowest` to before `beyond`, 0: to the top."""
     n = mesh.shape[0] + 1
+    last = n if beyond == 0 else beyond
     low = mix(1.0 - c.alpha_k, load(y1, n + lowest, like), c.alpha_k, load(y0, n + lowest, like))
-    for i in range(lowest, n):
+    for i in range(lowest, last):
         v0 = load(y0, n + i, like)
         v1 = load(y1, n + i, like)
         vd0 = load(yd0, n + i, like)

@@ -222,7 +222,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 if what == START:
                     exchange.start_exchange(state, outputs)
                 elif steps:
-                    exchange.end_exchange(numbers, state, step, outputs)
+                    exchange.end_exchange(parts.driven is not None, state, step, outputs)
             if tries:
                 status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
         if tells_points:
