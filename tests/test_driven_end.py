@@ -242,7 +242,9 @@ def test_inputs_of_the_end_of_a_step_are_reached():
         assert np.abs(model.outputs[[OUTPUTS.index(f"body.{axis}") for axis in "xyz"]] - motion(0.1 * (k + 1))[10:13]).max() < 1e-4
 
 
-@pytest.mark.parametrize("changes", [{}, {"solver__space": True}, {"cable__bending_stiffness": 2e3}])
+@pytest.mark.parametrize(
+    "changes", [{}, *(pytest.param(more, marks=pytest.mark.long) for more in ({"solver__space": True}, {"cable__bending_stiffness": 2e3}))]
+)
 def test_energy_and_momentum_close_at_second_order(changes):
     motion = inputs(lambda t: along((0.0, 0.0, -2.0), (0.5, 0.0, 0.3), 0.7, t), lambda t: along(FAR, (0.7, 0.0, 0.4), 0.5, t))
     found = []

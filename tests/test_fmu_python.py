@@ -29,8 +29,8 @@ from fmu_src.interface import generic_scene, scene_from_values
 pytestmark = pytest.mark.shipped
 
 ROOT = Path(__file__).resolve().parent.parent
-SCENES = [("chain", "hanging_chain"), ("chain", "towed_body"), ("tow", "dale_sphere")]
-LONGER = [("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body")]
+SCENES = [("chain", "hanging_chain"), ("tow", "dale_sphere")]
+LONGER = [("chain", "towed_body"), ("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body")]
 SCENES += [pytest.param(*case, marks=pytest.mark.long) for case in LONGER]
 SMOOTH = PrescribedMotion(
     Top(
