@@ -178,7 +178,8 @@ def views(function):
     return cut
 
 
-_RECORDS: dict[np.dtype, np.dtype] = {}  # the first of equal types of records: numba looks at their identity, and compares others field by field in every call
+# the first of equal types of records: numba looks at their identity, and compares others field by field in every call
+_RECORDS: dict[np.dtype, np.dtype] = {}
 
 
 def for_kernels(numbers):
