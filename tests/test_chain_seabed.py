@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from catenaries import touchdown
 from chain_support import drive, every, make, still, view
-from scipy.optimize import brentq
 
 from cable_model.errors import ParameterError
 
@@ -27,22 +27,6 @@ LYING = {  # 10 m of cable on the floor, its top at the floor's height
 }
 TOP = (32.5, 0.0, 0.3)
 ON_FLOOR = (0.0, 0.0, -5.01)  # as deep as the cable sinks in
-
-
-def touchdown(length: float, weight: float, stiffness: float, x: float, z: float) -> tuple[float, float]:
-    """Horizontal force and suspended length of an elastic catenary that comes to lie on a frictionless floor."""
-
-    def parts(pull: float) -> tuple[float, float]:
-        # inverse: the suspended length that rises by z, with stretch
-        def rise(s: float) -> float:
-            return pull / weight * (np.hypot(1.0, weight * s / pull) - 1.0) + weight * s * s / (2.0 * stiffness) - z
-
-        s = brentq(rise, 1e-9, 10.0 * length)
-        across = pull / weight * np.arcsinh(weight * s / pull) + pull * s / stiffness + (length - s) * (1.0 + pull / stiffness)
-        return across, s
-
-    pull = brentq(lambda h: parts(h)[0] - x, 1e-3, 1e4)
-    return pull, parts(pull)[1]
 
 
 def test_a_lying_cable_sinks_in_by_its_weight_over_the_stiffness():

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from catenaries import between_points
 from chain_support import make, still, view
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq, fsolve
+from scipy.optimize import brentq
 
 pytestmark = pytest.mark.shipped
 
@@ -95,19 +96,6 @@ def test_cable_towed_without_a_body_is_straight_at_its_critical_angle():
     assert np.max(np.abs(aside)) < 1e-4 * 400.0**2
 
 
-def elastic_catenary(length: float, weight: float, stiffness: float, span: float, rise: float) -> tuple[float, float]:
-    """Horizontal and vertical force at the top of a cable between (0, 0) and (span, rise), by Irvine's closed form."""
-
-    def miss(unknown: np.ndarray) -> list[float]:
-        h, v = unknown
-        low = v - weight * length
-        x = h * length / stiffness + h / weight * (np.arcsinh(v / h) - np.arcsinh(low / h))
-        z = (v * v - low * low) / (2.0 * stiffness * weight) + (np.hypot(h, v) - np.hypot(h, low)) / weight
-        return [x - span, z - rise]
-
-    return tuple(fsolve(miss, [0.5 * weight * length, 0.7 * weight * length], xtol=1e-13))
-
-
 @pytest.mark.parametrize("stiffness", [1e9, 500.0], ids=["stiff", "elastic"])
 def test_cable_between_two_points_is_the_elastic_catenary(stiffness):
     base = {
@@ -118,7 +106,7 @@ def test_cable_between_two_points_is_the_elastic_catenary(stiffness):
     }
     model = make(base)
     model.initialize(still((7.0, 0.0, 3.0))(0.0))
-    h, v = elastic_catenary(10.0, 10.0, stiffness, 7.0, 3.0)
+    h, v = between_points(10.0, 10.0, stiffness, 7.0, 3.0)
     assert model.outputs[0] == pytest.approx(-h, rel=1e-4)
     assert model.outputs[2] == pytest.approx(-v, rel=1e-4)
     assert model.outputs[11] == pytest.approx(np.hypot(h, v - 100.0), rel=1e-3)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import root
+from catenaries import touchdown
 from typer.testing import CliRunner
 
 from cable_model import moordyn_scene
@@ -27,27 +27,6 @@ pytestmark = pytest.mark.shipped
 DATA = Path(__file__).parent / "data" / "moordyn"
 
 
-def catenary(scene) -> tuple[float, float]:
-    """Horizontal and vertical force at the top of an elastic line from an anchor on a level, hard, smooth bottom, N."""
-    cable, top = scene.cable, scene.top.position
-    length, stiffness = cable.length, cable.axial_stiffness
-    weight = (cable.mass_per_length - scene.water.density * cable.displaced_area) * scene.environment.gravity
-    span = math.hypot(top[0] - scene.lower_end.x, top[1] - scene.lower_end.y)
-    height = top[2] - scene.lower_end.z
-
-    def misses(logarithms):
-        across, up = np.exp(logarithms)
-        hung = min(up / weight, length)  # what does not lie on the bottom
-        foot = up - weight * hung
-        far = length - hung + across / weight * (np.arcsinh(up / across) - np.arcsinh(foot / across)) + across * length / stiffness
-        high = (np.hypot(across, up) - np.hypot(across, foot)) / weight + (up * up - foot * foot) / (2.0 * stiffness * weight)
-        return far / span - 1.0, high / height - 1.0
-
-    found = root(misses, np.log([weight * height, weight * height]), tol=1e-12)
-    assert found.success
-    return tuple(np.exp(found.x))
-
-
 def at_rest(scene) -> np.ndarray:
     """The outputs of the chain at rest."""
     model = CableChain(scene)
@@ -61,7 +40,11 @@ def at_rest(scene) -> np.ndarray:
 ])  # fmt: skip
 def test_an_imported_mooring_pulls_as_the_elastic_catenary(name, line, within):
     scene, _ = scene_of(read(DATA / f"{name}.txt"), line)
-    across, up = catenary(scene)
+    cable, top, anchor = scene.cable, scene.top.position, scene.lower_end
+    weight = (cable.mass_per_length - scene.water.density * cable.displaced_area) * scene.environment.gravity
+    span = math.hypot(top[0] - anchor.x, top[1] - anchor.y)
+    across, suspended = touchdown(cable.length, weight, cable.axial_stiffness, span, top[2] - anchor.z)
+    up = weight * suspended
     outputs = at_rest(scene)
     assert math.hypot(*outputs[:2]) == pytest.approx(across, rel=within)
     assert outputs[2] == pytest.approx(-up, rel=within)

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,13 @@ import pytest
 from cable_model import CableChain, load, simulate
 from cable_model.page import write_page
 
-pytestmark = [pytest.mark.shipped, pytest.mark.long]
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+pytestmark = [
+    pytest.mark.shipped,
+    pytest.mark.long,
+    pytest.mark.skipif(find_spec("selenium") is None, reason="selenium is not installed (pip install selenium)"),
+    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="no browser (apt-get install chromium chromium-driver)"),
+]
 SCREEN = (1366, 768)
 OPTIONS = (
     "--headless=new",
@@ -33,16 +40,14 @@ CURSOR = "return document.getElementById('cable').data.at(-1).x[0]"
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed (pip install selenium)")
-    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if chromium is None or driver is None:
-        pytest.skip("no browser (apt-get install chromium chromium-driver)")
+    from selenium import webdriver
+
     options = webdriver.ChromeOptions()
-    options.binary_location = chromium
+    options.binary_location = CHROMIUM
     for option in OPTIONS:
         options.add_argument(option)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     yield opened
     opened.quit()
 
