@@ -84,6 +84,8 @@ def _models_with_scenes(choice: Choice | None, scene: Scene) -> dict[str, Scene]
         if words:
             say(f"{type_name(name)} goes without {', '.join(words)}")
         found[name] = lean
+    if not found:
+        raise ParameterError("neither model has all that the scene asks for. Remove what each was left out for.")
     return found
 
 
@@ -191,6 +193,8 @@ def view(
         write_movie(results, loaded, movie)
         say(f"wrote {movie}")
     if stopped:
+        for other in stopped[1:]:
+            say(str(other))
         raise stopped[0]
 
 

@@ -21,9 +21,9 @@ def import_deck(
     line: Annotated[int | None, typer.Option(help="the line to take; default: the only one")] = None,
 ) -> None:
     """Write one line of a MoorDyn v2 input file as a scene, and say what was left out or changed; it stands in the scene too."""
-    check_output(output)
+    target = output or Path(f"{file.stem}.toml" if line is None else f"{file.stem}_line{line}.toml")
+    check_output(target)
     scene, told = scene_of(moordyn.read(file), line)
     for text in told:
         say(text)
-    target = output or Path(file.stem if line is None else f"{file.stem}_line{line}").with_suffix(".toml")
     save(target, "".join(f"# {text}\n" for text in told) + "\n" + to_toml(scene))

@@ -1,4 +1,4 @@
-"""Simulating a built FMU under given top motion, to compare it with a reference; what is no FMU of ours is refused."""
+"""Simulating a built FMU under given motion of its ends, to compare it with a reference; what is no FMU of ours is refused."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ RESULTS = (*OUTPUTS, "solver.cpu_time")
 WARNING, ERROR = 1, 3  # status of what an FMU logs
 
 
-def _refused(fmu: Path, why: object) -> ParameterError:
+def _refused(fmu: Path, why: object, remedy: str = "Build it with `python build_fmu.py`.") -> ParameterError:
     line = " ".join(str(why).split())
-    return ParameterError(f"{fmu}: no FMU that can be simulated ({line.rstrip('.')}). Build it with `python build_fmu.py`.")
+    return ParameterError(f"{fmu}: no FMU that can be simulated ({line.rstrip('.')}). {remedy}")
 
 
 class _Opened:
@@ -51,7 +51,8 @@ class _Opened:
                 raise
             raise _refused(fmu, error) from error
         if description.fmiVersion != "2.0" or description.coSimulation is None:
-            raise _refused(fmu, f"FMI {description.fmiVersion}, and FMI 2.0 for co-simulation is needed")
+            needed = f"FMI {description.fmiVersion}, and FMI 2.0 for co-simulation is needed"
+            raise _refused(fmu, needed, "Give the FMU of FMI 2.0, which `python build_fmu.py` builds too.")
         self.variables = {variable.name: variable for variable in description.modelVariables}
         lacking = [name for name in (*INPUTS, *RESULTS) if name not in self.variables]
         if lacking:
@@ -163,7 +164,8 @@ def coarsened(table: np.ndarray, parts: int) -> np.ndarray:
 def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Times (n,) and inputs (n, 19) of a table; one without those of the lower end has none that is driven."""
     times = times_of(str(path), columns, table)
-    lacking = [name for name in INPUTS[:10] if name not in columns]
+    driven = any(name in columns for name in INPUTS[10:])
+    lacking = [name for name in (INPUTS if driven else INPUTS[:10]) if name not in columns]
     if lacking:
         raise ParameterError(f"{path}: has no column {lacking[0]}. Give --scene for the motion.")
     still = np.zeros(len(times))

@@ -34,8 +34,8 @@ _REASONS = {
 }
 _SAID = (header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS, header.NOT_DRIVEN)  # where no number says more
 _REMEDIES = {
-    header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother top motion",
-    header.NOT_FINITE: "Check the top motion for jumps, and try a smaller solver.time_step",
+    header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother motion",
+    header.NOT_FINITE: "Check the motion of the ends for jumps, and try a smaller solver.time_step",
     header.NO_EQUILIBRIUM: "Check the places of top, lower end and seabed, weight in water and current",
     header.NO_WINCH: "Leave winch.speed at 0, or set winch.fitted = true (chain only)",
     header.HAULED_IN: "Stop the winch before a hundredth of cable.length is left",
@@ -119,7 +119,7 @@ class Model:
         return int(self.state[header.DOUBTS])
 
     def _check_start(self, inputs: np.ndarray) -> None:
-        """Refuse a top that does not go with the scene."""
+        """Refuse ends that do not go with the scene."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
         """One communication step from `time`, with inputs (19,) held as FMI holds them: their values at the start of the step.
@@ -145,7 +145,9 @@ class Model:
         return self._points(False, self._node_count())
 
     def shape(self, count: int = SHAPE_POINTS) -> np.ndarray:
-        """The same at points that are evenly spaced along the unstretched cable, (count, 4)."""
+        """The same at `count` points that are evenly spaced along the unstretched cable, (count, 4).  Raises ParameterError below 2."""
+        if count < 2:
+            raise refuse("count", count, "points", ">= 2", "The first is the lower end, the last the top.")
         return self._points(True, count)
 
     def _points(self, even: bool, count: int) -> np.ndarray:

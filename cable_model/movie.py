@@ -20,7 +20,6 @@ from cable_model.scene import Scene
 from cable_model.simulation import Result
 
 MOST_FRAMES = 150
-RATES = (10.0, 20.0)  # frames a second at least and at most
 WRITERS: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
 SIDE = {False: (12.0, -80.0), True: (20.0, -60.0)}  # elevation and azimuth from which the cable is seen in the plane, and in space, degrees
 
@@ -35,7 +34,7 @@ def check_movie(path: Path) -> None:
 
 
 def write_movie(results: Mapping[str, Result], scene: Scene, path: Path) -> None:
-    """Write the movie of runs of a scene by their models' names; it is as slow as the run where that is neither hurried nor dull."""
+    """Write the movie of runs of a scene by their models' names, as fast as the run where Picture.pace has it so."""
     picture = arrange(results, scene, MOST_FRAMES)
     figure = Figure(figsize=(10.0, 5.6), dpi=80, layout="constrained")
     FigureCanvasAgg(figure)
@@ -44,8 +43,7 @@ def write_movie(results: Mapping[str, Result], scene: Scene, path: Path) -> None
     space: Any = figure.add_subplot(places[0], projection="3d", proj_type="ortho")
     draw = _space(space, picture, scene)
     move = _tension(figure.add_subplot(places[1]), picture, scene)
-    lasts = float(np.ptp(picture.times)) / max(1, len(picture.times) - 1)
-    writer: AbstractMovieWriter = WRITERS[path.suffix.lower()](fps=min(max(1.0 / lasts, RATES[0]), RATES[1]) if lasts else RATES[0])
+    writer: AbstractMovieWriter = WRITERS[path.suffix.lower()](fps=1.0 / picture.pace)
     path.parent.mkdir(parents=True, exist_ok=True)
     with writing(path), writer.saving(figure, path, dpi=figure.dpi):
         for k in range(len(picture.times)):

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cable_model.effects import BY_NAME, CHAIN
 from cable_model.scene import Scene
 from cable_model.sea import components
+from cable_model.simulated import is_on
 from cable_model.simulation import Result
 
 MOST_POINTS = 61  # along a cable
 MOST_PLACES = 128  # of the surface at a moment
 PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
 WIDTH = 0.25  # of the box's longest side: what a side has at least
+FRAME = (0.05, 0.1)  # s that a moment is shown at least and at most: shorter hurries, longer is dull
 NEAR = 1.0  # of the longest side: how far from the cable water's surface and seabed still belong in the picture
 
 
@@ -58,6 +61,17 @@ class Picture:
     seabed: float | None
 
     @property
+    def pace(self) -> float:
+        """How long a moment is shown, s: as long as it lasted, within FRAME."""
+        lasted = float(np.ptp(self.times)) / max(1, len(self.times) - 1)
+        return min(max(lasted, FRAME[0]), FRAME[1])
+
+    @property
+    def speed(self) -> float:
+        """Of what is shown over that of the run."""
+        return float(np.ptp(self.times)) / (self.pace * max(1, len(self.times) - 1))
+
+    @property
     def size(self) -> float:
         """The longest side, m."""
         return float(np.max(self.high - self.low))
@@ -71,15 +85,19 @@ class Panel:
     lines: dict[str, np.ndarray]
 
 
+def _has(effect: str, scene: Scene) -> bool:
+    return is_on(BY_NAME[effect], scene, CHAIN)
+
+
 def is_held(scene: Scene) -> bool:
-    """Whether the lower end stays where it is."""
-    return scene.lower_end.anchored and not scene.lower_end.released
+    """Whether the lower end is anchored, or moved by inputs."""
+    return _has("anchor", scene)
 
 
 def word_of_lower_end(scene: Scene) -> str:
     """What is there."""
     if is_held(scene):
-        return "driven end" if scene.lower_end.driven else "anchor"
+        return "driven end" if _has("driven", scene) else "anchor"
     return "body" if scene.body.mass > 0.0 else "free end"
 
 
@@ -112,13 +130,12 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     longest = max(results.values(), key=lambda run: len(run.table))
     moments = evenly(len(longest.table), most_moments)
     times = longest["time"][moments]
-    cables = {label: _thinned(run, moments, k == 0) for k, (label, run) in enumerate(results.items())}  # two in colours are none to see
+    cables = {label: _thinned(run, moments, k == 0) for k, (label, run) in enumerate(results.items())}
     low = np.min([moving.places.min(axis=(0, 1)) for moving in cables.values()], axis=0)
     high = np.max([moving.places.max(axis=(0, 1)) for moving in cables.values()], axis=0)
     reach = NEAR * float(np.max(high - low))
-    wet = scene.water is not None and scene.water.surface
-    seabed = scene.seabed.level if scene.seabed.stiffness > 0.0 and scene.seabed.level > low[2] - reach else None
-    near = wet and low[2] - reach < 0.0 < high[2] + reach
+    seabed = scene.seabed.level if _has("seabed", scene) and scene.seabed.level > low[2] - reach else None
+    near = _has("surface", scene) and low[2] - reach < 0.0 < high[2] + reach
     levels = [low[2], high[2], *([seabed] if seabed is not None else []), *([0.0] if near else [])]
     low[2], high[2] = min(levels), max(levels)
     low, high = _roomy(low, high)
@@ -129,6 +146,7 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
 
 
 def _thinned(run: Result, moments: np.ndarray, coloured: bool) -> Moving:
+    """A run at moments; only one of several is coloured by its tensions, or none could be read."""
     rows = np.minimum(moments, len(run.table) - 1)
     points = evenly(run.shapes.shape[1], MOST_POINTS)
     tensions = run.tensions[rows][:, points] if run.tensions is not None and coloured else None

@@ -13,7 +13,6 @@ from cable_model.moving import Picture, panels
 from cable_model.page_traces import AXES, colour_of
 from cable_model.scene import Scene
 
-FRAME = (50.0, 100.0)  # ms that a frame is shown at least and at most
 WORDS = 105  # characters in a line of the title
 SPACE = 0.62  # of the page's width; beside it are the panels
 ROWS = ((0.755, 0.96), (0.485, 0.69), (0.215, 0.42))  # of its height, of each panel
@@ -94,12 +93,6 @@ def _text(text: str, x: float, y: float, size: int) -> dict[str, Any]:
     return {"text": text, "align": "left", "showarrow": False, "font": {"size": size}, **place}
 
 
-def _pace(picture: Picture) -> float:
-    """How long a frame is shown, ms: as long as it lasted, where that is neither hurried nor dull."""
-    lasts = 1000.0 * float(picture.times[-1] - picture.times[0]) / max(1, len(picture.times) - 1)
-    return min(max(lasts, FRAME[0]), FRAME[1])
-
-
 def _move(duration: float, **more: Any) -> dict[str, Any]:
     return {"mode": "immediate", "frame": {"duration": duration, "redraw": True}, "transition": {"duration": 0}, **more}
 
@@ -118,13 +111,13 @@ def _slider(picture: Picture) -> dict[str, Any]:
 
 
 def _buttons(picture: Picture) -> dict[str, Any]:
-    pace = _pace(picture)
-    span = float(picture.times[-1] - picture.times[0])
-    speed = span / (1e-3 * pace * max(1, len(picture.times) - 1))
     return {
         "type": "buttons", "direction": "right", "x": 0.0, "xanchor": "left", "y": 0.02, "yanchor": "bottom", "showactive": False,
         "buttons": [
-            {"label": f"▶ {speed:.2g} x real time", "method": "animate", "args": [None, _move(pace, fromcurrent=True)]},
+            {
+                "label": f"▶ {picture.speed:.2g} x real time", "method": "animate",
+                "args": [None, _move(1e3 * picture.pace, fromcurrent=True)],
+            },
             {"label": "❚❚", "method": "animate", "args": [[None], _move(0.0)]},
         ],
     }  # fmt: skip

@@ -10,7 +10,7 @@ from typing import Any
 from cable_model.condition import Changed, Condition, Given, On
 from cable_model.effects import CHAIN
 from cable_model.errors import ParameterError, refuse
-from cable_model.parameters import field_of, value_of
+from cable_model.parameters import Motion, field_of, value_of
 from cable_model.signals import INPUTS
 from cable_model.simulated import given, refused_on_grid, true
 
@@ -19,7 +19,8 @@ AMPLITUDE, SPECTRUM, TABLE = Given("waves.amplitude"), Given("waves.spectrum"), 
 SEAS = (AMPLITUDE, SPECTRUM, TABLE)
 SLIDING = Changed("seabed.friction_velocity") | Changed("seabed.friction_displacement")
 DISK = Given("tow.drag_area_axial") | Changed("tow.body_angle")
-ACROSS = ("0 or pi in the plane", "Set solver.space = true, or turn the axes so that x is along it.")
+TURN = "Set solver.space = true, or turn the axes so that x is along it."
+ACROSS = ("0 or pi in the plane", TURN)
 NO_WAVES, NO_CURRENT = "Add [water] or remove [waves].", "Add [water] or remove [current]."
 
 
@@ -173,7 +174,6 @@ class StartRule:
         return f"{'' if self.equal else '>= '}{self.other} = ", f"{self.where}. {self.remedy}"
 
 
-TURN = "Set solver.space = true, or turn the axes so that x is along it."
 SUNK = 10.0  # diameters: an end that lies on the seabed sinks in a little
 START_RULES = (
     StartRule(On("seabed"), "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
@@ -218,6 +218,22 @@ TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
 )  # fmt: skip
 
 
+PACES = ("angular_frequency", "period", "frequency")
+KEYS = {"sinusoid": ("amplitude", *PACES, "phase", "ramp_time", "ramp"), "ramp": ("velocity", "duration"), "step": ("velocity",)}
+
+
+def _check_motion(name: str, part: Motion) -> None:
+    """Raises the ParameterError of a part of a motion that is given twice, or what it has no use for."""
+    given = [pace for pace in PACES if getattr(part, pace) > 0.0]
+    if len(given) > 1:
+        raise refuse(name, " and ".join(given), "", "one of angular_frequency, period and frequency", "Keep one.")
+    for kind, keys in KEYS.items():
+        for key in keys:
+            value = getattr(part, key)
+            if key not in KEYS[part.kind] and value != field_of(f"motion.{key}").default:
+                raise refuse(f"{name}.{key}", value, "", f"left out of a {part.kind}", f"It belongs to a {kind}.")
+
+
 def check(scene: Any) -> None:
     """Raises the ParameterError of the first rule that a scene breaks; effects that rules ask for are the chain's."""
     for rule in RULES:
@@ -229,9 +245,7 @@ def check(scene: Any) -> None:
             raise refuse(f"waves.table[{k}]", shown, "", "an amplitude >= 0 and a period > 0", "Mend the row.")
     for end in ("top", "lower"):
         for k, part in enumerate(getattr(scene, end).motion):
-            given = [name for name in ("angular_frequency", "period", "frequency") if getattr(part, name) > 0.0]
-            if len(given) > 1:
-                raise refuse(f"{end}.motion[{k}]", " and ".join(given), "", "one of angular_frequency, period and frequency", "Keep one.")
+            _check_motion(f"{end}.motion[{k}]", part)
     for error in refused_on_grid(scene):
         raise error
     for name, right, must, remedy in TABLES:

@@ -23,12 +23,13 @@ class Phase(enum.IntEnum):
     RUNNING = 2
     FAILED = 3
     TERMINATED = 4
+    FAILED_AND_TERMINATED = 5
 
 
 def expect(phase: Phase, allowed: tuple[Phase, ...], rule: str, remedy: str) -> None:
     """Raises ParameterError where a call comes in a phase that it does not belong to."""
     if phase not in allowed:
-        raise refuse("instance", phase.name.lower(), "", rule, remedy)
+        raise refuse("instance", phase.name.lower().replace("_", " "), "", rule, remedy)
 
 
 @dataclass

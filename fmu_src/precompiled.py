@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import Calls
+from cable_model.errors import SolverError
 from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.signals import INPUTS
@@ -152,7 +153,8 @@ class Precompiled:
 
     def points(self, even: bool, at: np.ndarray) -> None:
         told = np.zeros(len(SIGNALS) + at.size)
-        self._call(SHAPE if even else NODES, 0.0, 0.0, len(at), _at(told))
+        if self._call(SHAPE if even else NODES, 0.0, 0.0, len(at), _at(told)):  # what numba would raise
+            raise SolverError("points along the cable: could not be worked out")
         at[:] = told[len(SIGNALS) :].reshape(at.shape)
 
     def read_outputs(self) -> None:

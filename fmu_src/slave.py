@@ -178,7 +178,7 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def terminate(self) -> None:
         expect(self._phase, (Phase.RUNNING, Phase.FAILED), "initialized and not terminated", "Reset it or free it instead.")
-        self._phase = Phase.TERMINATED
+        self._phase = Phase.FAILED_AND_TERMINATED if self._phase is Phase.FAILED else Phase.TERMINATED
 
     @property
     def _initialized(self) -> Model:
@@ -210,7 +210,7 @@ class CableSlave(Fmi2Slave):
         """Work the shape out where it is asked for: most hosts do not."""
         if _SHAPE[0] in self._real or _IN_SHAPE.isdisjoint(vrs):
             return
-        if self._phase is Phase.FAILED:
+        if self._phase in (Phase.FAILED, Phase.FAILED_AND_TERMINATED):
             late = "must be asked for before a step fails. Restore a state, or reset the FMU."
             raise ParameterError(f"{next(self._rows[vr].name for vr in vrs if vr in _IN_SHAPE)}: {late}")
         self._real.update(zip(_SHAPE, self._initialized.shape().ravel().tolist(), strict=True))
@@ -257,7 +257,7 @@ class CableSlave(Fmi2Slave):
             raise refuse(row.scene_name, shown, unit, "set before the end of initialization", "Reset the FMU first.")
         if row.causality not in ("parameter", "input"):
             raise refuse(row.name, shown, row.unit, "left alone: it is calculated", "Set inputs and parameters only.")
-        if self._phase is Phase.TERMINATED:
+        if self._phase >= Phase.TERMINATED:
             raise refuse(row.name, shown, row.unit, "set before the end of the simulation", "Reset the FMU first.")
         if kind == "Real" and not math.isfinite(value):
             if row.causality == "input":

@@ -111,7 +111,7 @@ def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Sce
             **{
                 f.name: _scaled(getattr(holder, f.name), f.metadata["unit"], (mass, length, time))
                 for f in dataclasses.fields(holder)
-                if not (part.name == "top" and f.name == "motion")
+                if not (part.name in ("top", "lower") and f.name == "motion")
             },
         )
     return dataclasses.replace(scene, **parts)
@@ -120,18 +120,20 @@ def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Sce
 Inputs = Callable[[float], np.ndarray]
 
 
-def top_motion(scene: Scene) -> Inputs:
-    """A smooth motion of the top of the scene's own scale, from rest: a twentieth of the length at the pace of its pendulum."""
-    start = np.array(scene.top.position)
+def motion_of_ends(scene: Scene) -> Inputs:
+    """A smooth motion of the scene's own scale, from rest: of the top a twentieth of the length at the pace of its pendulum."""
     size = 0.05 * scene.cable.length
     omega = 2.0 * math.sqrt(scene.environment.gravity / scene.cable.length)
-    ways = np.array([1.0, 0.7 if scene.solver.space else 0.0, -0.4]) * size
+
+    def end(place: tuple[float, float, float], ways: tuple[float, float, float], omega: float, time: float) -> np.ndarray:
+        phase, along = omega * time, size * np.array(ways) * [1.0, scene.solver.space, 1.0]
+        rates = (phase - math.sin(phase), omega * (1.0 - math.cos(phase)), omega**2 * math.sin(phase))
+        return np.concatenate([place + along * rates[0], along * rates[1], along * rates[2]])
 
     def inputs(time: float) -> np.ndarray:
-        phase = omega * time
-        place = (phase - math.sin(phase), omega * (1.0 - math.cos(phase)), omega**2 * math.sin(phase))
-        winch = 0.1 * size * omega * (1.0 - math.cos(phase)) if scene.winch.fitted else 0.0
-        return np.concatenate([start + ways * place[0], ways * place[1], ways * place[2], [winch]])
+        winch = 0.1 * size * omega * (1.0 - math.cos(omega * time)) if scene.winch.fitted else 0.0
+        lower = end(scene.lower.position, (-0.5, 0.4, 0.3), 1.3 * omega, time) if scene.lower_end.driven else np.zeros(9)
+        return np.concatenate([end(scene.top.position, (1.0, 0.7, -0.4), omega, time), [winch], lower])
 
     return inputs
 
@@ -141,7 +143,7 @@ class Run:
 
     def __init__(self, model: str, scene: Scene, inputs: Inputs | None = None, step: float | None = None) -> None:
         self.model: Model = MODELS[model](scene)
-        self.inputs = inputs or top_motion(scene)
+        self.inputs = inputs or motion_of_ends(scene)
         self.step = step or 2.5 * min(scene.solver.time_step, 0.2 * math.sqrt(scene.cable.length / scene.environment.gravity))
         self.steps = 0
         self.rows: list[np.ndarray] = []

@@ -83,6 +83,16 @@ def test_a_title_is_shown_as_it_is(scene, shown, tmp_path):
     assert shown("plot", scene, "--model", "tow", "-o", tmp_path / "a.png")[0] == 0
 
 
+@pytest.mark.parametrize("command", [("plot",), ("view",), ("run", "--model", "both")])
+def test_a_scene_that_no_model_takes_is_refused_after_what_each_lacks(scene, shown, command):
+    scene.write_text(SCENE + "[tow]\nas_printed = true\n[lower_end]\nanchored = true\n", encoding="utf-8")
+    status, text = shown(command[0], scene, *command[1:])
+    lines = " ".join(text.split())
+    assert status == 2
+    assert "CableChain is left out: " in lines and "TowCable is left out: " in lines
+    assert lines.endswith("error: neither model has all that the scene asks for. Remove what each was left out for.")
+
+
 def test_the_help_of_every_command_has_its_brackets():
     assert "lists of values in [vary]" in " ".join(CliRunner().invoke(app, ["sweep", "--help"]).output.split())
 

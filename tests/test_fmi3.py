@@ -213,11 +213,11 @@ def test_a_step_that_is_refused_tells_where_the_last_one_ended(native3: dict[str
 
 def test_a_message_has_its_plain_text_and_the_categories_that_were_chosen(tow: Instance3):
     with pytest.raises(FMICallException):
-        tow.set({"effects.active": "5 % of %s"})
+        tow.set({"effects.active": "5 % of %s as Real, GUID, fmi2FMUstate"})
     with pytest.raises(FMICallException):
         tow.slave.fmi3SetDebugLogging(tow.slave.component, True, 1, (c.c_char_p * 1)(b"100 %d"))
     assert tow.errors == [
-        "effects.active = '5 % of %s': must be left alone: it is calculated. Set inputs and parameters only.",
+        "effects.active = '5 % of %s as Real, GUID, fmi2FMUstate': must be left alone: it is calculated. Set inputs and parameters only.",
         "log category = '100 %d': must be one of modelDescription.xml. Choose one of its LogCategories.",
     ]
     tow.slave.fmi3SetDebugLogging(tow.slave.component, True, 1, (c.c_char_p * 1)(b"logStatusError"))

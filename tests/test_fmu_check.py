@@ -11,6 +11,7 @@ from fmu_support import Fmu
 from typer.testing import CliRunner
 
 from cable_model.cli import app
+from cable_model.errors import ParameterError
 from cable_model.fmu_check import divided, recorded_motion, rows_of_inputs, sampled_motion
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
@@ -91,6 +92,15 @@ def test_recorded_rows_give_back_the_motion_between_them():
     finer, rows = divided(times, inputs, between, 4)
     assert len(finer) == 4 * 30 + 1 and np.array_equal(rows[::4], inputs)
     assert rows == pytest.approx(np.array([motion(t) for t in finer]), abs=1e-6)
+
+
+def test_a_table_with_a_part_of_the_lower_ends_inputs_is_refused():
+    """What lacks would count as 0, which no motion has."""
+    columns = ("time", *INPUTS[:13])
+    with pytest.raises(ParameterError, match=r"^a: has no column lower\.vx\. Give --scene for the motion\.$"):
+        rows_of_inputs(Path("a"), columns, np.column_stack([np.arange(3.0), np.zeros((3, 13))]))
+    _, inputs = rows_of_inputs(Path("a"), columns[:11], np.column_stack([np.arange(3.0), np.ones((3, 10))]))
+    assert np.array_equal(inputs, np.repeat([[1.0] * 10 + [0.0] * 9], 3, axis=0))
 
 
 def test_the_first_command_of_the_readme_simulates_both_models(fmus: dict[str, Fmu], tmp_path):

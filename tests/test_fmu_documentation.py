@@ -93,7 +93,17 @@ def test_an_fmu_has_the_licences_of_what_is_in_it(native: dict[str, Fmu], fmus: 
         assert sorted(found) == sorted(["license.txt", "fmi.txt", *others])
         assert word in found["license.txt"] and "The cable-fmu contributors" in found["license.txt"]
         assert "Modelica Association" in found["fmi.txt"] and "ARISING IN ANY WAY" in found["fmi.txt"]
-        assert all(f": {name}" in found["license.txt"] or f" {name}" in found["license.txt"] for name in found if name != "license.txt")
+        assert all(f" {name}" in found["license.txt"] for name in found if name != "license.txt")
+
+
+def test_an_fmu_that_runs_python_names_as_pythonfmus_what_is():
+    """Where no C compiler was there our library is not before theirs, and nothing of ours was compiled."""
+    alone, launched = (licences.of_python(whether) for whether in (False, True))
+    assert sorted(alone) == ["license.txt", "pythonfmu.txt"]
+    assert "binaries/win64 and binaries/linux64 are PythonFMU's" in alone["license.txt"]
+    assert not re.search("headers|atexit|_pythonfmu", alone["license.txt"])
+    assert sorted(launched) == ["fmi.txt", "license.txt", "pythonfmu.txt"]
+    assert "the library that ends in _pythonfmu" in launched["license.txt"]
 
 
 def test_a_library_for_windows_brings_the_licences_of_mingw_and_zig():

@@ -131,6 +131,17 @@ def test_the_command_writes_a_scene_that_loads_and_says_what_was_left_out(tmp_pa
     assert [line.removeprefix("# ") for line in target.read_text(encoding="utf-8").splitlines()[: len(told)]] == told
 
 
+def test_a_scene_is_named_as_its_deck_and_line_and_a_folder_of_that_name_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    deck = shutil.copy(DATA / "oc3_hywind.txt", tmp_path / "oc3.v2.txt")
+    for line in ("1", "2"):
+        assert CliRunner().invoke(app, ["import", str(deck), "--line", line]).exit_code == 0
+    assert sorted(path.name for path in tmp_path.glob("*.toml")) == ["oc3.v2_line1.toml", "oc3.v2_line2.toml"]
+    (tmp_path / "oc3.v2_line3.toml").mkdir()
+    result = CliRunner().invoke(app, ["import", str(deck), "--line", "3"])
+    assert str(result.exception) == "oc3.v2_line3.toml: is a folder. Give the name of a file."
+
+
 @pytest.fixture
 def changed(tmp_path):
     """Makes the scene of a deck of data/moordyn, as lines.txt, in which texts are replaced."""
@@ -228,13 +239,11 @@ def test_of_two_coupled_points_the_lower_one_is_a_driven_lower_end(changed):
     assert "changed: point 2, Coupled: it is the lower end and stands still; give [[lower.motion]] or move it as an FMU" in told
 
 
-@pytest.mark.parametrize(
-    ("last", "lacking"), [("LINE TYPES", "LINE TYPES"), ("POINTS", "POINTS"), ("LINES", "LINES"), ("OPTIONS", "OPTIONS")]
-)
-def test_a_file_that_ends_too_early_is_told_by_the_section_that_it_lacks(last, lacking, tmp_path):
+@pytest.mark.parametrize("lacking", ["LINE TYPES", "POINTS", "LINES", "OPTIONS"])
+def test_a_file_that_ends_too_early_is_told_by_the_section_that_it_lacks(lacking, tmp_path):
     text = (DATA / "chain_50m.txt").read_text(encoding="utf-8")
     path = tmp_path / "cut.txt"
-    path.write_text(text[: text.index(f"- {last} -")].rsplit("\n", 1)[0], encoding="utf-8")
+    path.write_text(text[: text.index(f"- {lacking} -")].rsplit("\n", 1)[0], encoding="utf-8")
     with pytest.raises(ParameterError, match=rf"^cut\.txt: no section {lacking}\. Give a whole MoorDyn v2 input file\.$"):
         read(path)
 

@@ -58,6 +58,24 @@ def test_a_sinusoid_is_given_by_its_angular_frequency_its_period_or_its_frequenc
     assert motion.longest_piece(0.0) < 1.0
 
 
+@pytest.mark.parametrize("end", ["top", "lower"])
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ({"kind": "step", "velocity": 1.0, "period": 3.0}, "period = 3: must be left out of a step. It belongs to a sinusoid."),
+        ({"kind": "step", "velocity": 1.0, "duration": 3.0}, "duration = 3: must be left out of a step. It belongs to a ramp."),
+        ({"kind": "ramp", "velocity": 1.0, "ramp": "cubic"}, "ramp = 'cubic': must be left out of a ramp. It belongs to a sinusoid."),
+        ({"kind": "ramp", "velocity": 1.0, "amplitude": 2.0}, "amplitude = 2: must be left out of a ramp. It belongs to a sinusoid."),
+        ({"kind": "sinusoid", "amplitude": 1.0, "velocity": 2.0}, "velocity = 2: must be left out of a sinusoid. It belongs to a ramp."),
+    ],
+)
+def test_what_a_kind_of_motion_has_no_use_for_is_refused(end, part, words):
+    cable = {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}
+    with pytest.raises(ParameterError) as refused:
+        from_dict({"cable": cable, "lower_end": {"anchored": True, "driven": True}, end: {"motion": [{"axis": "x", **part}]}})
+    assert str(refused.value) == f"{end}.motion[0].{words}"
+
+
 def test_a_sinusoid_that_is_given_in_two_ways_is_refused():
     part = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "period": 2.0, "frequency": 0.5}
     words = r"top\.motion\[0\] = 'period and frequency': must be one of angular_frequency, period and frequency\. Keep one\."

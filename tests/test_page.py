@@ -188,7 +188,7 @@ def test_plotly_knows_every_property_of_the_figure(scene, run):
     objects.Figure(data=shown["data"], layout=shown["layout"])  # what frames repeat of the data has no types
 
 
-def test_a_run_that_stops_is_shown_so_far_and_told(scene, tmp_path, monkeypatch):
+def test_a_run_that_stops_is_shown_so_far_and_told(tmp_path, monkeypatch):
     monkeypatch.setattr(movie, "MOST_FRAMES", 10)
     hauled = tmp_path / "hauled.toml"
     winch = "\n[winch]\nfitted = true\nspeeds = [[0.0, 0.0], [2.0, -40.0]]\n"
@@ -215,7 +215,7 @@ def test_ffmpeg_writes_a_movie(scene, run, tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def refused(scene, monkeypatch):
+def refused(monkeypatch):
     """The line that an error is; nothing may be simulated before it."""
 
     def simulated(*arguments: object) -> None:

@@ -5,10 +5,11 @@ import itertools
 import numpy as np
 import pytest
 from chain_support import HANGING, WEIGHT, make
-from fmu_support import FMICallException, Fmu, sway
+from fmu_support import FMICallException, Fmu, started, sway
 from native_support import FLAVOURS
 
 from cable_model import CableChain, TowCable, load, simulate
+from cable_model.errors import ParameterError
 from cable_model.kernels import header
 from cable_model.motion import motion_of
 from cable_model.scene import from_dict, with_values
@@ -116,18 +117,44 @@ def test_every_fmu_tells_the_shape_of_the_library_where_it_is_asked_for(request,
     instance.close()
 
 
-def test_what_the_shape_is_after_a_failed_step_is_not_told(native):
-    instance = native["chain"].instance()
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_what_the_shape_is_after_a_failed_step_is_not_told(request, flavour):
+    """Nor when the simulation has been ended then."""
+    instance = request.getfixturevalue(flavour)["chain"].instance()
     instance.initialize({}, np.zeros(19))
     instance.step(0.0, 0.05, np.zeros(19))
     given = np.zeros(19)
     given[1] = 1.0  # out of the plane
     with pytest.raises(FMICallException):
         instance.step(0.05, 0.05, given)
+    for end in (lambda: None, instance.slave.terminate):
+        end()
+        with pytest.raises(FMICallException):
+            instance.get("shape.x[1]")
+        assert instance.errors[-1] == "shape.x[1]: must be asked for before a step fails. Restore a state, or reset the FMU."
     with pytest.raises(FMICallException):
-        instance.get("shape.x[1]")
-    assert instance.errors[-1] == "shape.x[1]: must be asked for before a step fails. Restore a state, or reset the FMU."
-    instance.close()
+        instance.slave.doStep(0.05, 0.05)
+    assert instance.errors[-1].startswith("instance = 'failed and terminated': must be initialized and running.")
+    instance.slave.freeInstance()
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+def test_the_shape_of_a_run_that_was_ended_is_that_of_its_last_step(request, flavour):
+    fmu = request.getfixturevalue(flavour)["chain"]
+    asked, late = (started(fmu) for _ in range(2))
+    expected = [asked.get(name) for name in SHAPE]
+    for instance in (asked, late):
+        instance.slave.terminate()
+        assert [instance.get(name) for name in SHAPE] == expected
+        instance.slave.freeInstance()
+
+
+@pytest.mark.parametrize("kind", [CableChain, TowCable])
+def test_a_shape_of_fewer_than_its_two_ends_is_refused(kind):
+    model = kind(generic_scene())
+    model.initialize(np.zeros(9))
+    with pytest.raises(ParameterError, match=r"^count = 1 points: must be >= 2\. "):
+        model.shape(1)
 
 
 def test_a_moored_cable_lies_where_its_shape_says():

@@ -19,7 +19,6 @@ ABOUT = {
     "tow": "A straight cable under a moving top end, which swings and stretches, with a body at its lower end.",
 }
 NATIVE = "It needs no Python, on {}. FMUs of one scene for other platforms have the same {}."
-PICTURES = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}  # by the version of FMI
 PYTHON = (
     "It runs Python: 3.11 or newer with numpy and numba (or llvmlite alone, for effects that were compiled in) where the host finds it; on "
     "Linux a host that is not Python needs libpython too."
@@ -46,11 +45,18 @@ def page(model: str, identifier: str, rows: Sequence[Variable], scene: Scene, ru
 
 
 def files(
-    model: str, identifier: str, rows: Sequence[Variable], scene: Scene, runs: str, licences: Mapping[str, str], fmi: str = "2.0"
+    model: str,
+    identifier: str,
+    rows: Sequence[Variable],
+    scene: Scene,
+    runs: str,
+    licences: Mapping[str, str],
+    fmi: str = "2.0",
+    picture: str = "model.png",
 ) -> dict[str, bytes]:
     """What an archive holds for people, by its place there; the licences come by their names in documentation/licenses/."""
     return {
-        PICTURES[fmi]: (HERE / "model.png").read_bytes(),
+        picture: (HERE / "model.png").read_bytes(),
         "documentation/index.html": page(model, identifier, rows, scene, runs, fmi).encode(),
         **{f"documentation/licenses/{name}": text.encode() for name, text in licences.items()},
     }

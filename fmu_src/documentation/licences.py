@@ -21,7 +21,7 @@ with the GCC Runtime Library Exception)."""
 _WINDOWS = """binaries/{} has of mingw-w64 the start-up code and wrappers of stdio (Zope Public License 2.1, in parts public domain:
 mingw-w64.txt), and of zig its compiler run time and C library (MIT: zig.txt; in parts after musl, MIT: musl.txt)."""
 _WINDOWS_FOLDERS = [folder for target in TARGETS if target.suffix == ".dll" for folder in (target.folder, target.folder3)]
-_PYTHONFMU = "resources/pythonfmu, binaries/win64 and the library that ends in _pythonfmu are PythonFMU's (MIT: pythonfmu.txt)."
+_PYTHONFMU = "resources/pythonfmu, binaries/win64 and {} are PythonFMU's (MIT: pythonfmu.txt)."
 _ATEXIT = """The library before it in binaries/linux64 has of the GNU C Library the function atexit: LGPL 2.1 or later, with unlimited
 permission to link the compiled function with other programs and to distribute those without any restriction coming from it."""
 
@@ -41,12 +41,16 @@ def _notice(header: str) -> str:
     return text[text.index("Copyright (C)") : text.index("*/", text.index("Copyright (C)"))].rstrip() + "\n"
 
 
-def _with_own(words: Sequence[str], others: dict[str, str], fmi: str = "2.0") -> dict[str, str]:
-    versions = [version for version in ("2.0", "3.0") if version <= fmi]  # the layer of 3.0 is one over that of 2.0
+def _with_own(words: Sequence[str], others: dict[str, str]) -> dict[str, str]:
     head = f"This FMU was made by cable-fmu {__version__}, whose licence is below.\n"
-    text = "\n".join([head, *words, _FMI.format(" and ".join(versions)), "", _text("cable-fmu", "LICENSE")])
+    return {"license.txt": "\n".join([head, *words, "", _text("cable-fmu", "LICENSE")]), **others}
+
+
+def _compiled(words: Sequence[str], others: dict[str, str], fmi: str = "2.0") -> dict[str, str]:
+    """Of what was compiled with the headers of this version of FMI."""
+    versions = [version for version in ("2.0", "3.0") if version <= fmi]  # the layer of 3.0 is one over that of 2.0
     notices = [_notice(f"fmi{version[0]}Functions.h") for version in versions]
-    return {"license.txt": text, "fmi.txt": "\n".join(notices), **others}
+    return _with_own([*words, _FMI.format(" and ".join(versions))], {"fmi.txt": "\n".join(notices), **others})
 
 
 def of_native(folders: Sequence[str], fmi: str = "2.0") -> dict[str, str]:
@@ -54,13 +58,16 @@ def of_native(folders: Sequence[str], fmi: str = "2.0") -> dict[str, str]:
     windows = [folder for folder in folders if folder in _WINDOWS_FOLDERS]
     words = [(_NOTHING if link.has_zig() else _COMPILER).format(folder) for folder in folders if folder not in windows]
     if not windows:
-        return _with_own(words, {}, fmi)
+        return _compiled(words, {}, fmi)
     licences = {"mingw-w64.txt": "lib/libc/mingw/COPYING", "zig.txt": "LICENSE", "musl.txt": "lib/libc/musl/COPYRIGHT"}
     texts = {name: _text("ziglang", f"ziglang/{place}") for name, place in licences.items()}
-    return _with_own([*words, *map(_WINDOWS.format, windows)], texts, fmi)
+    return _compiled([*words, *map(_WINDOWS.format, windows)], texts, fmi)
 
 
 def of_python(launched: bool) -> dict[str, str]:
     """Texts by their names in documentation/licenses/ of an FMU that runs Python; launched: whether our library is before pythonfmu's."""
-    words = [_ATEXIT, *(() if link.has_zig() else (_COMPILER.format("linux64"),))] if launched else []
-    return _with_own([_PYTHONFMU, *words], {"pythonfmu.txt": _text("pythonfmu", "LICENSE")})
+    theirs = {"pythonfmu.txt": _text("pythonfmu", "LICENSE")}
+    if not launched:
+        return _with_own([_PYTHONFMU.format("binaries/linux64")], theirs)
+    words = [_PYTHONFMU.format("the library that ends in _pythonfmu"), _ATEXIT]
+    return _compiled([*words, *(() if link.has_zig() else [_COMPILER.format("linux64")])], theirs)

@@ -42,6 +42,7 @@ class Layer(NamedTuple):
     description: Callable[[str, str, Sequence[Variable], Scene, str, str], Element]  # as model_description
     variables: Callable[[Sequence[Variable]], Sequence[Variable]]  # from the interface table
     ends: tuple[str, Callable[[], Element]]  # the file that tells which variables belong to an end of the cable
+    picture: str  # the file that shows the model
 
 
 def _fmi2_description(identifier: str, guid: str, rows: Sequence[Variable], scene: Scene, description: str, tool: str) -> Element:
@@ -52,10 +53,13 @@ def _fmi2_description(identifier: str, guid: str, rows: Sequence[Variable], scen
 
 
 LAYERS = {
-    "2.0": Layer(SOURCES, "folder", "GUID", _fmi2_description, tuple, ("resources/OspModelDescription.xml", osp_description)),
+    "2.0": Layer(
+        SOURCES, "folder", "GUID",
+        _fmi2_description, tuple, ("resources/OspModelDescription.xml", osp_description), "model.png",
+    ),
     "3.0": Layer(
         ("fmi3.c", "absent3.h", *SOURCES), "folder3", "instantiation token",
-        fmi3.model_description, fmi3.variables, ("terminalsAndIcons/terminalsAndIcons.xml", fmi3.terminals),
+        fmi3.model_description, fmi3.variables, ("terminalsAndIcons/terminalsAndIcons.xml", fmi3.terminals), "terminalsAndIcons/icon.png",
     ),
 }  # fmt: skip
 
@@ -114,12 +118,13 @@ def build_native(model_name: str, destination: Path, scene: Scene | None = None,
     guid = _guid(header, bitcode(model_name, variants), *sources, draft)
     libraries = _libraries(f'#define MODEL_GUID "{guid}"\n{header}', model_name, variants, targets, layer)
     folders = [folder for folder, _ in libraries]
-    runs, (place, ends) = documentation.NATIVE.format(", ".join(folders), layer.token), layer.ends
+    runs, texts = documentation.NATIVE.format(", ".join(folders), layer.token), licences.of_native(folders, fmi)
+    place, ends = layer.ends
     files = {
         "modelDescription.xml": _description(layer, identifier, guid, rows, base, model_name),
         **{f"binaries/{folder}/{identifier}{suffix}": made for (folder, suffix), made in libraries.items()},
         place: _xml(ends()),
-        **documentation.files(model_name, identifier, layer.variables(rows), base, runs, licences.of_native(folders, fmi), fmi),
+        **documentation.files(model_name, identifier, layer.variables(rows), base, runs, texts, fmi, layer.picture),
     }
     destination.parent.mkdir(parents=True, exist_ok=True)
     destination.write_bytes(_zip(files))

@@ -6,8 +6,18 @@
 
 #include "log.h"
 
-typedef enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED } Phase;
-static const char *const phases[] = {"instantiated", "initializing", "running", "failed", "terminated"};
+#ifndef FMI /* the words of this version of FMI in what a host is told; fmi3.c has those of FMI 3.0 */
+#define FMI "fmi2"
+#define FMU_STATE "FMUstate"
+#define TOKEN "GUID"
+#define REAL "Real"
+#define INTEGER "Integer"
+#endif
+
+enum { QUANTITIES = 4 }; /* of a point of the shape: x, y, z and tension */
+
+typedef enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED, FAILED_AND_TERMINATED } Phase;
+static const char *const phases[] = {"instantiated", "initializing", "running", "failed", "terminated", "failed and terminated"};
 
 typedef struct {
     double values[N_VARIABLES]; /* of every kind; a String's place is empty */
@@ -178,7 +188,7 @@ static int64_t run(Instance *m, int what, double time, double step, double *outp
     void *error = NULL;
     int levels = N_BAKED_LEVELS > 0 && m->present[CURRENT] != 0.0;
     int64_t n_waves = m->present[WAVES] == 0.0 ? 0 : N_BAKED_WAVES > 0 ? N_BAKED_WAVES : 1;
-    int64_t order = what == SHAPE ? N_SHAPE / 4 : (int64_t)m->core.values[MOTION_ORDER];
+    int64_t order = what == SHAPE ? N_SHAPE / QUANTITIES : (int64_t)m->core.values[MOTION_ORDER];
     int broken = kernels[m->variant](&status, &error, what, time, step, order, inputs, m->numbers,
                                      m->present, levels ? baked_levels[0] : m->level, levels ? N_BAKED_LEVELS : 1,
                                      N_BAKED_WAVES > 0 ? baked_waves[0] : m->wave, n_waves, baked_curve[0], N_BAKED_CURVE, m->state,

@@ -3,13 +3,16 @@
 #include "fmi2FunctionTypes.h"
 #define fmi2Functions_h /* that header would export the calls */
 #define fmi2Version "2.0"
+#define FMI "fmi3"
+#define FMU_STATE "FMUState"
+#define TOKEN "instantiation token"
+#define REAL "Float64"
+#define INTEGER "Int32"
 #include "fmu.c"
 
 #include "fmi3Functions.h"
 
 #include "absent3.h"
-
-enum { QUANTITIES = 4 }; /* of a point of the shape, each an array of its own: the elements of one are so far apart */
 
 /* -- what a host is told */
 
@@ -18,31 +21,15 @@ typedef struct {
     fmi3LogMessageCallback log;
 } Host;
 
-/* What FMI 3.0 calls by other names than the texts. */
-static const char *const renamed[][2] = {
-    {"fmi2", "fmi3"}, {"FMUstate", "FMUState"}, {"GUID", "instantiation token"}, {" as Real", " as Float64"}, {" as Integer", " as Int32"},
-};
-
-/* FMI 3.0 takes a text as it is, where that of FMI 2.0 is a printf format. */
+/* FMI 3.0 takes a text as it is, where that of FMI 2.0 is a printf format without arguments: two per cent signs are one. */
 static void tell_host(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String format, ...)
 {
     const Host *host = environment;
     char text[4096];
     size_t n = 0;
     (void)name;
-    while (*format && n < sizeof text - 20) { /* room for the longest name */
-        size_t k = 0;
-        while (k < sizeof renamed / sizeof *renamed && strncmp(format, renamed[k][0], strlen(renamed[k][0])) != 0)
-            k++;
-        if (k < sizeof renamed / sizeof *renamed) {
-            strcpy(text + n, renamed[k][1]);
-            n += strlen(renamed[k][1]);
-            format += strlen(renamed[k][0]);
-        } else {
-            text[n++] = *format;
-            format += format[0] == '%' ? 2 : 1;
-        }
-    }
+    for (; *format && n < sizeof text - 1; format += format[0] == '%' ? 2 : 1)
+        text[n++] = *format;
     text[n] = 0;
     if (host->log)
         host->log(host->environment, (fmi3Status)status, category, text);
@@ -132,6 +119,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 step, fmi3Boo
 
 /* -- variables */
 
+/* An array for each quantity of the shape's points: its elements are QUANTITIES apart. */
 static size_t elements(fmi3ValueReference vr) { return vr >= SHAPE_AT && vr < SHAPE_AT + N_SHAPE ? N_SHAPE / QUANTITIES : 1; }
 
 /* Known variables of a kind, and as many values as they have elements. */

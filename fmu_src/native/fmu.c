@@ -48,7 +48,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     if (type != fmi2CoSimulation)
         wrong = "type: must be fmi2CoSimulation. This FMU is no model exchange.";
     if (!guid || strcmp(guid, MODEL_GUID) != 0)
-        wrong = "GUID: must be " MODEL_GUID ". The library and modelDescription.xml do not belong together.";
+        wrong = TOKEN ": must be " MODEL_GUID ". The library and modelDescription.xml do not belong together.";
     Instance *m = wrong ? NULL : take(&caller, sizeof *m);
     if (!m) {
         fail(&caller, "%s", wrong ? wrong : "memory: must be available. Close something.");
@@ -192,7 +192,7 @@ fmi2Status fmi2Terminate(fmi2Component c)
         return fmi2Error;
     if (m->core.phase != RUNNING && m->core.phase != FAILED)
         return expect(m, RUNNING, "initialized and not terminated. Reset it or free it instead.");
-    m->core.phase = TERMINATED;
+    m->core.phase = m->core.phase == FAILED ? FAILED_AND_TERMINATED : TERMINATED;
     return fmi2OK;
 }
 
@@ -210,7 +210,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2
 {
     if (!c || !value)
         return fmi2Error;
-    *value = ((Instance *)c)->core.phase == TERMINATED;
+    *value = ((Instance *)c)->core.phase >= TERMINATED;
     return kind == fmi2Terminated ? fmi2OK : fmi2Discard;
 }
 

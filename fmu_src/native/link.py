@@ -34,7 +34,7 @@ def has_zig() -> bool:
 
 
 def fmi_headers() -> Path:
-    """The folder of the FMI 2.0 headers that come with fmpy."""
+    """The folder of the FMI headers that come with fmpy."""
     import fmpy
 
     return Path(fmpy.__file__).parent / "c-code"

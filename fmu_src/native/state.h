@@ -37,7 +37,7 @@ static int can_be(char kind, double value)
 static const char *impossible(const Saved *saved)
 {
     const Core *core = &saved->core;
-    if (!is_whole(core->phase, INSTANTIATED, TERMINATED) || !is_flag(core->initialized) || !is_flag(core->outdated))
+    if (!is_whole(core->phase, INSTANTIATED, FAILED_AND_TERMINATED) || !is_flag(core->initialized) || !is_flag(core->outdated))
         return "phase";
     if (!is_flag(core->set_up) || !is_flag(core->has_stop) || !is_flag(core->shaped))
         return "phase";
@@ -73,7 +73,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state)
     if (!m)
         return fmi2Error;
     if (!state)
-        return fail(m, "place of the saved state: must be given. Pass the address of an fmi2FMUstate.");
+        return fail(m, "place of the saved state: must be given. Pass the address of an " FMI FMU_STATE ".");
     uint64_t size = m->core.initialized != 0.0 ? (uint64_t)m->n_state : 0;
     Saved *saved = take(m, sizeof *saved + size * sizeof(double));
     if (!saved)
@@ -128,7 +128,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte t
     if (fmi2SerializedFMUstateSize(c, state, &wanted) != fmi2OK)
         return fmi2Error;
     if (size < wanted || !to)
-        return fail(c, "room for the saved state = %zu bytes: must be at least %zu. Ask fmi2SerializedFMUstateSize.", to ? size : 0, wanted);
+        return fail(c, "room for the saved state = %zu bytes: must be at least %zu. Ask " FMI "Serialized" FMU_STATE "Size.", to ? size : 0, wanted);
     Head head = {.checksum = checksum(state, bytes(state))};
     memcpy(head.magic, magic, sizeof magic);
     strncpy(head.guid, MODEL_GUID, sizeof head.guid - 1);
@@ -144,7 +144,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte from[], size_
     if (!c)
         return fmi2Error;
     if (!from || !state)
-        return fail(c, "saved state: must be given, and a place for it. Pass what fmi2SerializeFMUstate wrote.");
+        return fail(c, "saved state: must be given, and a place for it. Pass what " FMI "Serialize" FMU_STATE " wrote.");
     if (size < sizeof head + sizeof begin)
         return fail(c, "saved state = %zu bytes: must be at least %zu. %s", size, sizeof head + sizeof begin, only_own);
     memcpy(&head, from, sizeof head);

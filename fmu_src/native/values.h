@@ -1,6 +1,6 @@
 /* Getting and setting variables by their value references.  Included once, by fmu.c. */
 
-static const char *kind_name(char kind) { return kind == 'R' ? "Real" : kind == 'I' ? "Integer" : kind == 'B' ? "Boolean" : "String"; }
+static const char *kind_name(char kind) { return kind == 'R' ? REAL : kind == 'I' ? INTEGER : kind == 'B' ? "Boolean" : "String"; }
 
 static fmi2Status known(const Instance *m, fmi2ValueReference vr, char kind)
 {
@@ -31,14 +31,14 @@ static fmi2Status preview(Instance *m)
 /* The shape is worked out where it is asked for: most hosts do not. */
 static fmi2Status tell_shape(Instance *m, const fmi2ValueReference vr[], size_t n)
 {
-    double told[N_OUTPUTS + N_SHAPE] = {0.0};
     size_t asked = 0;
     while (asked < n && (vr[asked] < SHAPE_AT || vr[asked] >= SHAPE_AT + N_SHAPE))
         asked++;
     if (asked == n || m->core.shaped != 0.0)
         return fmi2OK;
-    if (m->core.phase == FAILED)
+    if (m->core.phase == FAILED || m->core.phase == FAILED_AND_TERMINATED)
         return fail(m, "%s: must be asked for before a step fails. Restore a state, or reset the FMU.", variables[vr[asked]].name);
+    double told[N_OUTPUTS + N_SHAPE] = {0.0};
     int64_t status = run(m, SHAPE, m->core.last_time, 0.0, told);
     if (status != OK)
         return report(m, status, m->core.last_time, 0.0);
@@ -65,7 +65,7 @@ static fmi2Status may_set(const Instance *m, fmi2ValueReference vr, char kind, d
         return refuse(m, (int)vr, value, "set before the end of initialization. Reset the FMU first.");
     if (v->causality != 'p' && v->causality != 'i')
         return refuse(m, (int)vr, value, "left alone: it is calculated. Set inputs and parameters only.");
-    if (m->core.phase == TERMINATED)
+    if (m->core.phase >= TERMINATED)
         return refuse(m, (int)vr, value, "set before the end of the simulation. Reset the FMU first.");
     if (!isfinite(value))
         return refuse(m, (int)vr, value, *v->kept ? v->kept : v->finite);

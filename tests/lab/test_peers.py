@@ -43,7 +43,7 @@ def test_moordyn_and_the_chain_agree(name, tension, position):
     assert found["tension"] < tension and found["position"] < position
 
 
-def test_moordyn_holds_a_line_of_a_deck_as_the_chain_holds_it_imported(tmp_path):
+def test_moordyn_holds_a_line_of_a_deck_as_the_chain_holds_it_imported():
     """OC3-Hywind at rest, on 20 segments and on 50 cells: 0.14 % apart."""
     md = pytest.importorskip("moordyn")
     source = Path(__file__).parents[1] / "data" / "moordyn" / "oc3_hywind.txt"
