@@ -7,20 +7,20 @@ from typing import Protocol
 import numpy as np
 
 TOO_FAST = -1  # status of a step, beside those of kernels.header
-FASTEST_TOP = 1e4  # m/s, of either end, on average over a step; no ship, and no aircraft
+FASTEST_END = 1e4  # m/s, of either end, on average over a step; no ship, and no aircraft
 
 
 class Calls(Protocol):
     """The kernels of one model instance, and the arrays that they work on.
 
     `state` is the complete state, `outputs` in the order of signals.OUTPUTS, `work` scratch.  Every call returns a status of
-    kernels.header or TOO_FAST, after which `top_speed`, m/s, says how fast; `outputs` is filled only where it returns OK.
+    kernels.header or TOO_FAST, after which `end_speed`, m/s, says how fast; `outputs` is filled only where it returns OK.
     """
 
     state: np.ndarray
     outputs: np.ndarray
     work: np.ndarray
-    top_speed: float
+    end_speed: float
 
     def start(self, time: float, inputs: np.ndarray) -> int:
         """Static equilibrium at `time` between the ends that inputs (19,) place."""

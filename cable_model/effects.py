@@ -102,7 +102,11 @@ EFFECTS = (
         "waves", "waves", Given("waves.amplitude") | Given("waves.spectrum") | Given("waves.table"),
         ("waves.spectrum", "waves.table", "waves.amplitude"), needs=("water",), table=tables.waves, native="always",
         parameters=("waves.amplitude", "waves.period", "waves.direction", "waves.phase"),
-        left_out={"waves.amplitude": 0.0, "waves.spectrum": "none", "waves.table": (), "waves.spreading_exponent": 0.0},
+        left_out={
+            "waves.amplitude": 0.0, "waves.period": 10.0, "waves.direction": 0.0, "waves.phase": 0.0, "waves.spectrum": "none",
+            "waves.significant_height": 0.0, "waves.peak_period": 10.0, "waves.peakedness": 3.3, "waves.components": 60, "waves.seed": 1,
+            "waves.spreading_exponent": 0.0, "waves.table": (),
+        },
         costs={
             "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
             "water and 20 waves": _SEA,

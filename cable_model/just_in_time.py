@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.calls import FASTEST_TOP, TOO_FAST
+from cable_model.calls import FASTEST_END, TOO_FAST
 from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.kernels.path import COLUMNS, ROWS, fastest_end
@@ -24,12 +24,15 @@ class JustInTime:
         self.state = np.zeros(kernels.state_size(parts, numbers))
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
-        self.top_speed = 0.0
+        self.end_speed = 0.0
         self._path = np.zeros((ROWS, COLUMNS))
         self._end = np.zeros(9)
         self._room = np.zeros(host.room_size(self._numbers, len(self.state), len(OUTPUTS)))
 
     def start(self, time: float, inputs: np.ndarray) -> int:
+        status = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+        if status != header.OK:
+            return status
         ends.start_ends(self._order, self._numbers, self.state, inputs)
         status = self._equilibrium(time)
         if status == header.OK:
@@ -47,6 +50,9 @@ class JustInTime:
         return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
+        status = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+        if status != header.OK:
+            return status
         ringing.watch_ringing(self._numbers, self.state, inputs)
         instants.watch_instants(self._numbers, self.state)
         watch.watch_inputs(self._order, self._numbers, self.state, inputs, step)
@@ -67,12 +73,15 @@ class JustInTime:
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
+        status: int = ends.refuse_lower_end(self._numbers, time, self.state, end)
+        if status != header.OK:
+            return status
         ends.follow_ends(self._numbers, self.state, start, end, step, self._path)
         return self._follow(time, step)
 
     def _follow(self, time: float, step: float) -> int:
-        self.top_speed = fastest_end(self._path, step)
-        if self.top_speed > FASTEST_TOP:
+        self.end_speed = fastest_end(self._path, step)
+        if self.end_speed > FASTEST_END:
             return TOO_FAST
         status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:

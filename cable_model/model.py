@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from cable_model.audit import Audit, audit_of
-from cable_model.calls import FASTEST_TOP, TOO_FAST, Calls
+from cable_model.calls import FASTEST_END, TOO_FAST, Calls
 from cable_model.doubts import at_the_start, before_the_run, seen
 from cable_model.errors import SolverError, refuse
 from cable_model.kernels import header
@@ -162,8 +162,8 @@ class Model:
         if status == header.OK and np.isfinite(self.outputs).all():
             return
         if status == TOO_FAST:
-            speed = self._calls.top_speed
-            fastest = f"<= {FASTEST_TOP:g}"
+            speed = self._calls.end_speed
+            fastest = f"<= {FASTEST_END:g}"
             raise refuse("speed of the top or lower end", speed, "m/s", fastest, "Check the units of its motion, and for jumps.")
         status = status or header.NOT_FINITE
         where = max(float(self.state[header.ERROR_TIME]), time)

@@ -176,7 +176,7 @@ class Motion:
     angular_frequency: float = quantity("rad/s", "angular frequency of a sinusoid", default=0.0, least=0.0)
     period: float = quantity("s", "period of a sinusoid, in place of its angular frequency", default=0.0, least=0.0)
     frequency: float = quantity("1/s", "frequency of a sinusoid, in place of its angular frequency", default=0.0, least=0.0)
-    phase: float = quantity("rad", "phase: amplitude sin(angular_frequency t + phase)", default=0.0)
+    phase: float = quantity("rad", "phase: amplitude sin(angular_frequency (t - start) + phase)", default=0.0)
     start: float = quantity("s", "time at which the motion begins", default=0.0, least=0.0)
     stop: float = quantity("s", "time at which the motion ends (0 = never)", default=0.0, least=0.0)
     ramp_time: float = quantity("s", "time over which it fades in", default=0.0, least=0.0)

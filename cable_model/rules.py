@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from cable_model.condition import Changed, Condition, Given, On
+from cable_model.condition import Changed, Chosen, Condition, Given, On
 from cable_model.effects import CHAIN
 from cable_model.errors import ParameterError, refuse
+from cable_model.kernels.header import SUNK
 from cable_model.parameters import Motion, field_of, value_of
 from cable_model.signals import INPUTS
 from cable_model.simulated import given, refused_on_grid, true
@@ -17,6 +19,11 @@ from cable_model.simulated import given, refused_on_grid, true
 WET, SPACE = On("water"), Given("solver.space")
 AMPLITUDE, SPECTRUM, TABLE = Given("waves.amplitude"), Given("waves.spectrum"), Given("waves.table")
 SEAS = (AMPLITUDE, SPECTRUM, TABLE)
+OF_A_SPECTRUM = (
+    Given("waves.significant_height") | Changed("waves.peak_period") | Changed("waves.peakedness") | Changed("waves.components")
+    | Changed("waves.seed")
+)  # fmt: skip
+OF_ONE_WAVE = "Remove it: it belongs to waves.amplitude."
 SLIDING = Changed("seabed.friction_velocity") | Changed("seabed.friction_displacement")
 DISK = Given("tow.drag_area_axial") | Changed("tow.body_angle")
 TURN = "Set solver.space = true, or turn the axes so that x is along it."
@@ -62,6 +69,17 @@ RULES = (
         SPECTRUM & ~Given("waves.significant_height"), "waves.significant_height", "> 0 with a spectrum",
         "Give the significant wave height.",
     ),
+    Rule(
+        OF_A_SPECTRUM & ~SPECTRUM, "waves.spectrum", 'jonswap or pierson-moskowitz beside values of a spectrum',
+        "Give the spectrum, or remove significant_height, peak_period, peakedness, components and seed.",
+    ),
+    Rule(
+        Chosen("waves.spectrum", "pierson-moskowitz") & Changed("waves.peakedness"), "waves.peakedness",
+        "left out of a pierson-moskowitz spectrum", 'Remove it, or set waves.spectrum = "jonswap".',
+    ),
+    Rule((SPECTRUM | TABLE) & Changed("waves.period"), "waves.period", "left out beside a spectrum or a table", OF_ONE_WAVE),
+    Rule((SPECTRUM | TABLE) & Given("waves.phase"), "waves.phase", "0 beside a spectrum or a table", OF_ONE_WAVE),
+    Rule(TABLE & Changed("waves.direction"), "waves.direction", "0 beside waves.table", "Give the directions in the table."),
     Rule(
         Given("waves.spreading_exponent") & ~SPECTRUM, "waves.spreading_exponent", "0 without a spectrum",
         "Give waves.spectrum, or remove the exponent.",
@@ -174,7 +192,6 @@ class StartRule:
         return f"{'' if self.equal else '>= '}{self.other} = ", f"{self.where}. {self.remedy}"
 
 
-SUNK = 10.0  # diameters: an end that lies on the seabed sinks in a little
 START_RULES = (
     StartRule(On("seabed"), "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
     StartRule(
@@ -232,6 +249,15 @@ def _check_motion(name: str, part: Motion) -> None:
             value = getattr(part, key)
             if key not in KEYS[part.kind] and value != field_of(f"motion.{key}").default:
                 raise refuse(f"{name}.{key}", value, "", f"left out of a {part.kind}", f"It belongs to a {kind}.")
+    if part.kind == "sinusoid" and not given:
+        raise refuse(name, "no frequency", "", "a sinusoid with one of angular_frequency, period and frequency", "Give one.")
+    if 0.0 < part.stop <= part.start:
+        raise refuse(f"{name}.stop", part.stop, "s", f"0 or > start = {part.start:g}", "Mend one of them.")
+    if part.start > 0.0 and part.ramp_time == 0.0 and abs(math.sin(part.phase)) > 1e-9 and part.amplitude != 0.0:
+        raise refuse(
+            f"{name}.phase", part.phase, "rad", "0 or pi in a sinusoid that begins later without ramp_time: else it begins with a jump",
+            "Give ramp_time, or start = 0.",
+        )  # fmt: skip
 
 
 def check(scene: Any) -> None:

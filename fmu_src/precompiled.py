@@ -124,7 +124,7 @@ class Precompiled:
         self.state, work = np.zeros(sizes[0]), np.zeros(sizes[1])
         self._end, self.work = work[END:WORK], work[WORK:]
         self.outputs = np.zeros(len(SIGNALS))
-        self.top_speed = 0.0
+        self.end_speed = 0.0
         arrays = (*fixed, _at(self.state), len(self.state), _at(work), len(work))
         self._call: Callable[..., int] = lambda what, time, step, order=model.motion_order, out=new_at: entry(
             *status, what, time, step, order, *arrays, out
@@ -138,7 +138,7 @@ class Precompiled:
         if status == header.OK:
             self.outputs[:] = self._new
         else:
-            self.top_speed = float(self._new[0])
+            self.end_speed = float(self._new[0])
         return status
 
     def start(self, time: float, inputs: np.ndarray) -> int:

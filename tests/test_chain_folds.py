@@ -117,7 +117,7 @@ def test_a_slack_line_straight_above_its_anchor_streams_in_a_current(nodes):
 )
 def test_where_there_is_no_equilibrium_the_error_names_why(status, text):
     model = CableChain.__new__(CableChain)
-    model._calls = type("Calls", (), {"state": np.zeros(header.HEADER), "outputs": np.zeros(18), "top_speed": 0.0})()
+    model._calls = type("Calls", (), {"state": np.zeros(header.HEADER), "outputs": np.zeros(18), "end_speed": 0.0})()
     with pytest.raises(SolverError, match="no static equilibrium was found") as error:
         model._must(status, 0.0)
     assert text in str(error.value)

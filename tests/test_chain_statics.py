@@ -7,6 +7,8 @@ from chain_support import make, still, view
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from cable_model.signals import OUTPUTS
+
 pytestmark = pytest.mark.shipped
 
 TOWED = {  # the shipped scene `towed_body` without its motion
@@ -111,6 +113,42 @@ def test_cable_between_two_points_is_the_elastic_catenary(stiffness):
     assert model.outputs[2] == pytest.approx(-v, rel=1e-4)
     assert model.outputs[11] == pytest.approx(np.hypot(h, v - 100.0), rel=1e-3)
     assert model.positions()[0] == pytest.approx([0.0, 0.0, 0.0], abs=1e-9)
+
+
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+@pytest.mark.parametrize("nodes", [5, 11, 51])
+@pytest.mark.parametrize(
+    ("length", "stiffness", "mass", "span", "rise"),
+    [(85.0, 1e6, 2.0, 40.0, 55.0), (6000.0, 4e8, 25.0, 3000.0, 4495.0), (10.0, 500.0, 1.0, 7.0, 3.0)],
+)
+def test_tensions_and_angle_at_both_ends_are_of_second_order(length, stiffness, mass, span, rise, nodes, grid):
+    """On the elastic catenary, on graded and equal cells."""
+    cable = {"length": length, "axial_stiffness": stiffness, "mass_per_length": mass}
+    model = make({"cable": cable, "lower_end": {"anchored": True, "x": -span, "z": -rise}, "solver": {"nodes": nodes, "grid": grid}})
+    model.initialize(still()(0.0))
+    across, up = between_points(length, mass * 9.80665, stiffness, span, rise)
+    found = dict(zip(OUTPUTS, model.outputs, strict=True))
+    assert found["top.tension"] == pytest.approx(np.hypot(across, up), rel=5.0 / nodes**2)
+    assert found["body.tension"] == pytest.approx(np.hypot(across, up - mass * 9.80665 * length), rel=5.0 / nodes**2)
+    assert found["top.declination"] == pytest.approx(np.arctan2(across, up), abs=5.0 / nodes**2)
+
+
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+@pytest.mark.parametrize("nodes", [5, 11, 51])
+def test_the_angle_at_the_top_of_a_towed_cable_is_of_second_order(nodes, grid):
+    _, force = hang_down(TOWED, lambda z: np.array([-2.0, 0.0]), 0.0)
+    model = make(TOWED, solver__nodes=nodes, solver__grid=grid)
+    model.initialize(still()(0.0))
+    assert model.outputs[OUTPUTS.index("top.declination")] == pytest.approx(np.arctan2(abs(force[0]), force[1]), abs=1.0 / nodes**2)
+
+
+@pytest.mark.parametrize("grid", ["staggered", "box"])
+def test_a_free_end_without_a_body_bears_nothing(grid):
+    """In a current that drags along the cable too."""
+    base = {part: values for part, values in TOWED.items() if part != "body"}
+    model = make(base, solver__nodes=11, solver__grid=grid)
+    model.initialize(still()(0.0))
+    assert abs(model.outputs[OUTPUTS.index("body.tension")]) < 1e-9 * model.outputs[3]
 
 
 @pytest.mark.parametrize("nodes", [26, 51, 52, 101, 102])

@@ -76,6 +76,29 @@ def test_what_a_kind_of_motion_has_no_use_for_is_refused(end, part, words):
     assert str(refused.value) == f"{end}.motion[0].{words}"
 
 
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        ({"amplitude": 1.0}, " = 'no frequency': must be a sinusoid with one of angular_frequency, period and frequency. Give one."),
+        ({"amplitude": 1.0, "period": 2.0, "start": 3.0, "stop": 2.0}, ".stop = 2 s: must be 0 or > start = 3. Mend one of them."),
+        ({"amplitude": 1.0, "period": 2.0, "start": 3.0, "phase": 1.0}, ".phase = 1 rad: must be 0 or pi in a sinusoid that begins later "
+         "without ramp_time: else it begins with a jump. Give ramp_time, or start = 0."),
+    ],
+)  # fmt: skip
+def test_a_sinusoid_without_frequency_end_or_beginning_is_refused(part, words):
+    cable = {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}
+    with pytest.raises(ParameterError) as refused:
+        from_dict({"cable": cable, "top": {"motion": [{"kind": "sinusoid", "axis": "x", **part}]}})
+    assert str(refused.value) == f"top.motion[0]{words}"
+
+
+def test_a_sinusoid_may_begin_later_where_it_does_not_jump():
+    cable = {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}
+    for part in ({"phase": math.pi}, {"phase": 1.0, "ramp_time": 0.5}):
+        motion = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "period": 2.0, "start": 3.0, **part}
+        from_dict({"cable": cable, "top": {"motion": [motion]}})
+
+
 def test_a_sinusoid_that_is_given_in_two_ways_is_refused():
     part = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "period": 2.0, "frequency": 0.5}
     words = r"top\.motion\[0\] = 'period and frequency': must be one of angular_frequency, period and frequency\. Keep one\."

@@ -1,5 +1,6 @@
 """The sea is its spectrum: what the components keep of it, whether they repeat, and how they spread."""
 
+import dataclasses
 import itertools
 import math
 import subprocess
@@ -22,6 +23,7 @@ HEIGHT, PERIOD = 3.0, 9.0
 PEAK = 2.0 * math.pi / PERIOD
 SPECTRA = [("pierson-moskowitz", 1.0), ("jonswap", 1.0), ("jonswap", 3.3), ("jonswap", 10.0)]
 WET = {"cable": {"length": 10.0, "mass_per_length": 1.0, "axial_stiffness": 1e6, "diameter": 0.1}, "water": {}}
+LONG = {"spectrum": "jonswap", "significant_height": 2.0}
 SPREAD = {"spectrum": "jonswap", "significant_height": HEIGHT, "peak_period": PERIOD, "direction": 0.4}
 
 
@@ -236,6 +238,56 @@ def test_spreading_that_means_nothing_is_refused(waves, space, text):
     with pytest.raises(ParameterError) as error:
         from_dict({**WET, "waves": waves, "solver": {"space": space}})
     assert str(error.value) == text
+
+
+@pytest.mark.parametrize(
+    ("waves", "text"),
+    [
+        ({"significant_height": 2.0}, 'waves.spectrum = \'none\': must be jonswap or pierson-moskowitz beside values of a spectrum. '),
+        ({"amplitude": 1.0, "peak_period": 8.0}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
+        ({"amplitude": 1.0, "peakedness": 2.0}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "components": 20}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "seed": 2}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
+        ({**LONG, "spectrum": "pierson-moskowitz", "peakedness": 2.0}, "waves.peakedness = 2: must be left out of a pierson-moskowitz "),
+        ({**LONG, "period": 8.0}, "waves.period = 8 s: must be left out beside a spectrum or a table. "),
+        ({**LONG, "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum or a table. "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "period": 9.0}, "waves.period = 9 s: must be left out beside a spectrum or a table. "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum or a table. "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "direction": math.pi}, "waves.direction = 3.141592654 rad: must be 0 beside waves.table. "),
+    ],
+)  # fmt: skip
+def test_values_that_another_kind_of_sea_has_are_refused(waves, text):
+    with pytest.raises(ParameterError) as error:
+        from_dict({**WET, "waves": waves})
+    assert str(error.value).startswith(text)
+
+
+@pytest.mark.parametrize(
+    "kind", [{"amplitude": 1.0}, {"table": [[1.0, 8.0, 0.0, 0.5]]}, {"spectrum": "pierson-moskowitz", "significant_height": 1.0},
+             {"spectrum": "jonswap", "significant_height": 1.0}],
+)  # fmt: skip
+def test_no_value_of_the_waves_is_accepted_and_ignored(kind):
+    """Each, changed alone in each kind of sea, changes the components, or is refused; but how waves go on above still water."""
+
+    def of(changes):
+        scene = from_dict({**WET, "waves": {**kind, **changes}, "solver": {"space": True}})
+        return components(scene.waves, G, 0.0)
+
+    changed = {
+        "amplitude": 2.0, "period": 8.0, "direction": 0.7, "phase": 0.3, "significant_height": 2.0, "peak_period": 7.0, "peakedness": 2.0,
+        "components": 40, "seed": 7, "spreading_exponent": 4.0, "spectrum": "jonswap", "table": [[2.0, 9.0, 0.0, 0.5]],
+    }  # fmt: skip
+    rest = {field.name for field in dataclasses.fields(Waves)} - {"surface"}
+    assert set(changed) == rest
+    for name, value in changed.items():
+        if kind.get(name) == value:
+            continue
+        try:
+            found = of({name: value})
+        except ParameterError:
+            continue
+        before = of({})
+        assert found.shape != before.shape or not np.array_equal(found, before), name
 
 
 def test_a_spread_sea_in_space_and_a_long_crested_one_in_the_plane_are_accepted():

@@ -42,7 +42,7 @@ TIME = AUDIT + 18  # audited, s
 LACKING = AUDIT + 19  # squares of the force that lacks, over that time, N2 s
 ACTING = AUDIT + 20  # and of FORCES
 STORED = AUDIT + 21  # energy now, J
-LOWER_FORCE = AUDIT + 22  # FORCE and FORCE_BEFORE of a driven lower end
+LOWER_FORCE = AUDIT + 22  # the six numbers from FORCE on, of a driven lower end
 
 NOTHING = 1e-6  # of weight times length: less energy counts as none that is exchanged
 

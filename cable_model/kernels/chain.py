@@ -5,11 +5,10 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
-from cable_model.kernels.chain_ends import Course, closing_velocities, end_rates, ends_on, held_place, leave_plane, move_ends
+from cable_model.kernels.chain_ends import Course, an_end_leaves_plane, closing_velocities, end_rates, ends_on, held_place, move_ends
 from cable_model.kernels.chain_outputs import in_axes, outputs, points, winding_now
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
-from cable_model.kernels.ends import lower_end_told
 from cable_model.kernels.error_control import (
     GROWTH,
     MOST_STEPS,
@@ -25,7 +24,7 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
-from cable_model.kernels.path import WINCH, Ends, arrival, lower_end_moves, winch_turns
+from cable_model.kernels.path import WINCH, Ends, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral
 from cable_model.kernels.staggered_step import Winding, with_tolerance
@@ -63,9 +62,6 @@ def settle(parts, p, time, state, work):
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
-    if parts.driven is None and lower_end_told(state):
-        state[header.ERROR_TIME] = time
-        return header.NOT_DRIVEN
     top = vector_at(parts, state, header.TOP)
     held = held_place(parts.driven, parts, p, state)
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)
@@ -226,10 +222,7 @@ def advance(parts, p, time, span, path, state, work):
     if refused != header.OK:
         state[header.ERROR_TIME] = time
         return refused
-    if parts.driven is None and lower_end_moves(path):
-        state[header.ERROR_TIME] = time
-        return header.NOT_DRIVEN
-    if leave_plane(parts, path, state, problem.cable.length):
+    if an_end_leaves_plane(parts, path, state, problem.cable.length):
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)

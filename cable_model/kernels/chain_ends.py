@@ -143,7 +143,7 @@ def closing_velocities(parts, p, view, velocities, places, h):
 
 
 @kernel
-def leave_plane(parts, path, state, length):
+def an_end_leaves_plane(parts, path, state, length):
     """Whether an end leaves the vertical plane of a chain that moves in one."""
     if parts.space is not None:
         return False

@@ -10,7 +10,6 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.layout import cut, led_on, vector_at
 from cable_model.kernels.pending import tensions_ahead
-from cable_model.kernels.slack import limited
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import axpy, dot, mix
 from cable_model.kernels.watch import watch_outputs, watch_set_off
@@ -87,20 +86,16 @@ def outputs(parts, p, state, work, out):
     ahead = _tensions_ahead(p, state)
     top = vector_at(parts, state, header.TOP)
     winding = winding_now(parts.winch, problem, state)
-    force, t, position, velocity, end, largest, smallest, slack = grid.measure(
+    force, t, tension, position, velocity, largest, smallest, slack = grid.measure(
         parts.box, parts, problem, p, view, state[header.STEP], state[header.OFFSET], ahead, top, winding, state[header.TIME]
     )
-    pulled = 0.0
-    for k in range(len(top)):
-        pulled -= force.top[k] * t.top[k]
-    pulled = limited(parts, problem.numeric, view.mesh[view.mesh.shape[0] - 1, 0], pulled)
     _spread(parts.space, force.top, 0.0, out, 0)
-    out[3] = pulled
+    out[3] = tension.top
     out[4] = _declination(t.top)
     _spread(parts.space, position, state[header.TOP + 1], out, 5)
     _spread(parts.space, velocity, 0.0, out, 8)
-    out[11] = _end_tension(parts.driven, parts, problem, view, force.lower, t.lower, end)
-    out[12] = max(largest, pulled, out[11]) if parts.driven is not None else max(largest, pulled)
+    out[11] = tension.lower
+    out[12] = max(largest, tension.top, tension.lower) if parts.driven is not None else max(largest, tension.top)
     out[13] = smallest
     out[14] = slack
     out[15] = state[header.STEPS]
@@ -119,17 +114,6 @@ def outputs(parts, p, state, work, out):
 def _declination(t):
     """Angle from straight down of a cable whose tangent towards the top is t."""
     return math.acos(min(1.0, max(-1.0, t[len(t) - 1])))
-
-
-@kernel
-def _end_tension(driven, parts, problem, view, force, t, end):
-    """Tension at the lower end: where it is driven that of the force on what drives it, as at the top."""
-    if driven is None:
-        return end
-    pulled = 0.0
-    for k in range(len(t)):
-        pulled += force[k] * t[k]
-    return limited(parts, problem.numeric, view.mesh[0, 0], pulled)
 
 
 @kernel

@@ -2,9 +2,21 @@
 
 import math
 
-from cable_model.kernels.header import CLOSING, INPUT_STEPS, INPUTS, PAID_OUT, SHORTEST, STEP, WINCH_ACCELERATION, WINCH_SPEED
+from cable_model.kernels.header import (
+    CLOSING,
+    ERROR_TIME,
+    INPUT_STEPS,
+    INPUTS,
+    NOT_DRIVEN,
+    OK,
+    PAID_OUT,
+    SHORTEST,
+    STEP,
+    WINCH_ACCELERATION,
+    WINCH_SPEED,
+)
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import ARRIVAL, COLUMNS, LOWER_END, UPPER_END, WINCH, quintic, shorten, wind
+from cable_model.kernels.path import COLUMNS, LOWER_END, UPPER_END, WINCH, quintic, shorten, wind
 
 KEPT = 4  # inputs, see header.INPUTS
 NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
@@ -117,6 +129,18 @@ def predict(order, state, inputs, which, newest, h, end):
 
 
 @kernel
+def refuse_lower_end(p, time, state, inputs):
+    """A status: NOT_DRIVEN where inputs (19,) place or move a lower end that nothing drives; its columns of paths stay 0."""
+    if p[0].lower_end.driven > 0.0:
+        return OK
+    for k in range(LOWER_END.given, LOWER_END.given + 9):
+        if inputs[k] != 0.0:
+            state[ERROR_TIME] = time
+            return NOT_DRIVEN
+    return OK
+
+
+@kernel
 def follow_inputs(order, p, state, inputs, h, end, path):
     """The path over a step of h that inputs (19,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
     driven = p[0].lower_end.driven > 0.0
@@ -124,8 +148,6 @@ def follow_inputs(order, p, state, inputs, h, end, path):
         _arrive(driven, order, state, inputs, h, end, path)
     else:
         _lead_on(driven, order, state, inputs, h, end, path)
-    if not driven:
-        _drive_none(inputs[LOWER_END.given : LOWER_END.given + 9], path)
 
 
 @kernel
@@ -136,18 +158,6 @@ def follow_ends(p, state, start, end, h, path):
     given = LOWER_END.given
     if p[0].lower_end.driven > 0.0:
         quintic(start[given : given + 9], end[given : given + 9], h, path, LOWER_END.column)
-    else:
-        _drive_none(end[given : given + 9], path)
-
-
-@kernel
-def _drive_none(asked, path):
-    """The columns of a lower end that nothing drives: `asked` (9,), what inputs say of it, where the path ends; see lower_end_moves."""
-    for k in range(3):
-        for i in range(ARRIVAL):
-            path[i, LOWER_END.column + k] = 0.0
-        for i in range(3):
-            path[ARRIVAL + i, LOWER_END.column + k] = asked[3 * i + k]
 
 
 @kernel
@@ -225,7 +235,7 @@ def _start_end(which, order, state, inputs):
 def start_ends(order, p, state, inputs):
     """The motion of both ends at initialization, from the start values of the inputs."""
     _start_end(UPPER_END, order, state, inputs)
-    _start_end(LOWER_END, order if p[0].lower_end.driven > 0.0 else 2, state, inputs)
+    _start_end(LOWER_END, order, state, inputs)
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
     state[WINCH_ACCELERATION] = 0.0
@@ -235,12 +245,3 @@ def start_ends(order, p, state, inputs):
         _keep_newest(order, state, inputs)
     state[CLOSING] = 0.0
     state[SHORTEST] = 0.0
-
-
-@kernel
-def lower_end_told(state):
-    """Whether the start values of inputs place or move the lower end."""
-    largest = 0.0
-    for k in range(LOWER_END.motion, LOWER_END.motion + 9):
-        largest = max(largest, abs(state[k]))
-    return largest > 0.0

@@ -10,8 +10,7 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
-from cable_model.kernels.slack import limited
-from cable_model.kernels.vector import axpy, load, mix, unit
+from cable_model.kernels.vector import axpy, dot, load, mix
 
 
 @kernel
@@ -181,7 +180,7 @@ def _box_forces(box, parts, problem, view, c, time, h, before, after, winding):
     return Ends(force, force)
 
 
-# on what holds the ends in the step just taken, as staggered_chain.end_forces; after keep
+# on what holds the ends in the step just taken, as staggered_chain.end_forces (the box grid: the top's twice); after keep
 mean_forces = by_presence(_staggered_forces, _box_forces)
 
 
@@ -299,11 +298,12 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
             slack += mesh[i, 0]
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
-    end = staggered_chain.lower_end_tension(parts.body, parts, problem, mesh, view.y, view.scratch.a, position, winding, time, view.scratch)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
-    tangents = Ends(unit(load(view.y, n - 2, top)), staggered_chain.lower_tangent(mesh, view.y, top))
-    end = limited(parts, problem.numeric, mesh[0, 0], end)
-    return forces, tangents, position, load(view.y, n, top), end, largest, smallest, slack / length
+    tangents = staggered_chain.end_tangents(mesh, view.y, top)
+    tensions = staggered_chain.end_tensions(
+        parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
+    )  # fmt: skip
+    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length
 
 
 @kernel
@@ -311,7 +311,9 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
     force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
         parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
     )
-    return Ends(force, force), Ends(t, t), position, velocity, end, largest, smallest, slack
+    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack
 
 
+# forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share;
+# the box grid has those of its top, but the lower end's tension
 measure = by_presence(_staggered_measure, _box_measure)

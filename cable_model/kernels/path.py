@@ -2,7 +2,8 @@
 
 `path` is (9, 7): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
 the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z of the top, the length of cable that
-the winch has paid out, a parabola (its speed changes linearly), and x, y, z of a driven lower end.
+the winch has paid out, a parabola (its speed changes linearly), and x, y, z of the lower end, 0 where
+nothing drives it.
 """
 
 import math
@@ -142,16 +143,6 @@ def leaves_plane(path, y, length, which):
     for i in range(1, 6):
         drift += abs(path[i, which.column + 1])
     return drift > 1e-9 * (length + abs(y))
-
-
-@kernel
-def lower_end_moves(path):
-    """Whether inputs place or move the lower end; a path that drives none has just what they are where it ends."""
-    for i in range(ARRIVAL, ROWS):
-        for k in range(LOWER_END.column, COLUMNS):
-            if path[i, k] != 0.0:
-                return True
-    return False
 
 
 @kernel

@@ -74,7 +74,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
 
     The change of a cell's tension, T' = c + b.(v_up' - v_low'), is an unknown of its own and in neither x nor bands: the solver
     eliminates it after the velocity below, so that EA, however large, never swamps the inertia in a sum.
-    Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted.
+    Cells from `lowest` up are visited: 0 for a step, n-3 where only the top's row is wanted, which asks for two.
     gains: derivatives of q h, v, a and r by the unknown velocities; gains.law 0 takes the tensions as they are.
     cells (>=n-1, 3D+5), a row each: the tension of the slack law, T + T_c, its change c at fixed velocities (written), the averaged
     stretch, the unit tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the share of

@@ -8,13 +8,13 @@ from cable_model.kernels.mesh import fill_mesh
 from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
-from cable_model.kernels.slack import floor, width
+from cable_model.kernels.slack import floor, limited, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, unit, zero
 
-LOWEST = 3  # cells at an end that the force on what holds it asks for, with bending
+CELLS = 2  # at an end, that the force on what holds it asks for
 
 
 @kernel
@@ -83,11 +83,16 @@ def axial_force(parts, numeric, mesh, y, i, like, s):
 
 
 @kernel
-def lower_tangent(mesh, y, like):
-    """Direction of the cable at its lower end, on the line through those of the two cells above it."""
-    first, second = load(y, 0, like), load(y, 1, like)
-    share = mesh[0, 0] / (mesh[0, 0] + mesh[1, 0])
-    return unit(mix(1.0 + share, first, -share, second))
+def end_tangents(mesh, y, like):
+    """Directions of the cable at its ends, towards the top: on the lines through those of the two cells at each."""
+    m = mesh.shape[0]
+    return Ends(_led_on(mesh, y, m - 1, m - 2, like), _led_on(mesh, y, 0, 1, like))
+
+
+@kernel
+def _led_on(mesh, y, last, before, like):
+    share = mesh[last, 0] / (mesh[last, 0] + mesh[before, 0])
+    return unit(mix(1.0 + share, unit(load(y, last, like)), -share, unit(load(y, before, like))))
 
 
 @kernel
@@ -106,7 +111,7 @@ def _no_force(driven, parts, problem, mesh, q, v, a, lower, winding, time, s):
 @kernel
 def _force_below(driven, parts, problem, mesh, q, v, a, lower, winding, time, s):
     """Force of the cable on what drives its lower end, which is at `lower`: its row asks for the lowest cells only."""
-    m = min(LOWEST, mesh.shape[0])
+    m = CELLS
     at = lower
     arc = 0.0
     for i in range(m):
@@ -126,7 +131,7 @@ _lower_force = by_presence(_no_force, _force_below)
 def _top_force(parts, problem, mesh, q, v, a, top, winding, time, s):
     n = mesh.shape[0] + 1
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
-    assemble(parts, problem, gains, mesh, q, v, a, top, time, max(n - LOWEST, 0), s.bands, s.x, s.cells, s.contact)
+    assemble(parts, problem, gains, mesh, q, v, a, top, time, n - 1 - CELLS, s.bands, s.x, s.cells, s.contact)
     return load(s.x, n - 1, top)
 
 
@@ -144,7 +149,7 @@ def end_forces(parts, problem, mesh, y, acceleration, top, lower, winding, time,
 @kernel
 def _average_below(driven, mesh, y0, yd0, y1, c, h, rates, s, like):
     if driven is not None:
-        average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, like, 0.0, 0, min(LOWEST, mesh.shape[0]) + 1)
+        average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, like, 0.0, 0, CELLS + 1)
 
 
 @kernel
@@ -152,25 +157,52 @@ def mean_forces(parts, problem, c, h, mesh, y0, yd0, y1, top, lower, winding, ti
     """The same in the step just taken, as its equations have them: at the averaged time, at which the ends are at `top` and `lower`."""
     rates = (c.alpha_m / (1.0 - c.alpha_m), 1.0 / (1.0 - c.alpha_m), 1.0 / (c.gamma * h), (1.0 - c.gamma) / c.gamma)
     n = mesh.shape[0] + 1
-    average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, max(n - LOWEST, 0))
+    average(mesh, y0, yd0, y1, c, h, rates[0], rates[1], rates[2], rates[3], s, top, 0.0, n - 1 - CELLS)
     force = _top_force(parts, problem, mesh, s.q, s.v, s.a, top, winding, time, s)
     _average_below(parts.driven, mesh, y0, yd0, y1, c, h, rates, s, top)
     return Ends(force, _lower_force(parts.driven, parts, problem, mesh, s.q, s.v, s.a, lower, winding, time, s))
 
 
 @kernel
-def lower_end_tension(present, parts, problem, mesh, y, acceleration, position, winding, time, s):
-    """Tension that reaches the lower end: what the body needs, or without one the first cell's less its lower share of weight."""
+def lower_end_tension(present, parts, problem, mesh, y, acceleration, t, position, winding, time, s):
+    """Part along `t` of the force that reaches the lower end.
+
+    It is what the body needs, or what the first cell carries less its lower share of weight; a free end without a body bears none.
+    """
     n = mesh.shape[0] + 1
     q = load(y, 0, position)
-    t = unit(q)
     if present is None:
+        if parts.anchor is None:
+            return 0.0
         h, split = mesh[0, 0], mesh[0, 1]
         weight = lower_weight(parts.surface, parts, problem.medium, problem.cable, h, split, q, position, time)
-        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) - weight * t[len(t) - 1]
+        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) * dot(unit(q), t) - weight * t[len(t) - 1]
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
     needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
     lifted, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, q, 0.0, s.contact, zero(v), needed_by)
     return dot(axpy(under_body(parts.seabed, problem.ground, mesh), lifted, needed), t)
+
+
+@kernel
+def _held_tension(driven, parts, problem, mesh, y, acceleration, force, t, position, winding, time, s):
+    return lower_end_tension(parts.body, parts, problem, mesh, y, acceleration, t, position, winding, time, s)
+
+
+@kernel
+def _driven_tension(driven, parts, problem, mesh, y, acceleration, force, t, position, winding, time, s):
+    return dot(force, t)
+
+
+_lower_tension = by_presence(_held_tension, _driven_tension)
+
+
+@kernel
+def end_tensions(parts, problem, mesh, y, acceleration, forces, tangents, position, winding, time, s):
+    """Tensions at the ends, where the cable has these forces on what holds it, and tangents; its lower end is at `position`."""
+    lower = _lower_tension(
+        parts.driven, parts, problem, mesh, y, acceleration, forces.lower, tangents.lower, position, winding, time, s
+    )  # fmt: skip
+    top = 0.0 - dot(forces.top, tangents.top)
+    return Ends(limited(parts, problem.numeric, mesh[mesh.shape[0] - 1, 0], top), limited(parts, problem.numeric, mesh[0, 0], lower))

@@ -4,8 +4,7 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
-from cable_model.kernels.ends import lower_end_told
-from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, NOT_DRIVEN, OK, OUT_OF_PLANE, SHORTEST, TOP
+from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, shortest_step
@@ -134,8 +133,6 @@ def initialize(parts, p, time, state, work):
     c = constants(parts, p)
     if not stays_in_plane(parts.space, c, state):
         return OUT_OF_PLANE
-    if lower_end_told(state):
-        return NOT_DRIVEN
     start_clock(state, time)
     for i in range(HEADER, state.shape[0]):
         state[i] = 0.0

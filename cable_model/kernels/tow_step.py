@@ -15,7 +15,6 @@ from cable_model.kernels.header import (
     NEWTON,
     NEXT_STEP,
     NO_WINCH,
-    NOT_DRIVEN,
     NOT_FINITE,
     OK,
     OUT_OF_PLANE,
@@ -28,7 +27,7 @@ from cable_model.kernels.header import (
     TOO_MANY_STEPS,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import COLUMNS, PATH, ROWS, UPPER_END, arrival, arrive, leaves_plane, lower_end_moves, quintic, winch_turns
+from cable_model.kernels.path import COLUMNS, PATH, ROWS, UPPER_END, arrival, arrive, leaves_plane, quintic, winch_turns
 from cable_model.kernels.pending import is_short, wait
 from cable_model.kernels.tow import (
     ANGLE,
@@ -195,8 +194,6 @@ def check_path(space, path, h, c, state):
         return NOT_FINITE
     if winch_turns(path):
         return NO_WINCH
-    if lower_end_moves(path):
-        return NOT_DRIVEN
     if space is None:
         if leaves_plane(path, state[PLANE], c.reference_length, UPPER_END):
             return OUT_OF_PLANE

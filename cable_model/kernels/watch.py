@@ -1,4 +1,4 @@
-"""What a run shows to be doubtful, seen once a communication step: how the top is moved, and where the cable has come to.
+"""What a run shows to be doubtful, seen once a communication step: how its ends are moved, and where the cable has come to.
 
 Nothing here changes a number of the model.  Each kind of doubt has a pair of numbers in the state's head, both 0 until it is seen; then
 they are what was seen and what it was held against.  doubts.SEEN has the words.
@@ -8,7 +8,7 @@ import math
 
 from cable_model.kernels.ends import horizon
 from cable_model.kernels.fluid import current_velocity, flows
-from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH, PENDING, STEP, STEPS, TOP, WATCH
+from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH, PENDING, STEP, STEPS, SUNK, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
@@ -39,7 +39,6 @@ FEWEST = 1e-4  # of the cable's length: ways below it say nothing
 SLOWEST = 1e-2  # of sqrt(g length): changes of velocity below it say nothing
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
 SEVERAL = 6.0  # times the longest of a step: a motion that begins by a power of time goes farther in each step than in all before
-SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little
 TOGETHER_WITHIN = 1e-3  # of the cable's length, from one end to the other at the start
 TOUCHED = 1e-6  # of the cable's length: before the first step the top is where the inputs say, but for rounding
 RESTING = 1e-9  # of a free fall over the cable's length: a top with a mass that rests is moved by rounding
@@ -103,7 +102,7 @@ def _watch_end(which, end, jump, order, p, state, inputs, step):
     length = p[0].cable.length
     last = state[end + LAST : end + LAST + 9]
     given = inputs[which.given : which.given + 9]
-    fastest, gone, missing, farthest = end + FASTEST, end + GONE, end + MISSED, end + FARTHEST
+    fastest, gone, missed_at, farthest = end + FASTEST, end + GONE, end + MISSED, end + FARTHEST
     h = step if p[0].top.inputs_at > 0.0 else state[SPAN]
     reach = max(h, step)
     way, gap = _apart(given, last, 0, h, 0.0)
@@ -122,12 +121,12 @@ def _watch_end(which, end, jump, order, p, state, inputs, step):
         for level in range(order):
             way, missed = _apart(given, last, 3 * level, h, 0.5)
             state[gone + level] += way
-            state[missing + level] += missed
+            state[missed_at + level] += missed
             state[farthest + level] = max(state[farthest + level], way, missed)
             scale = FEWEST * length if level == 0 else SLOWEST * math.sqrt(GRAVITY * length)
             enough = max(UNEXPLAINED * state[gone + level], scale)
-            if state[missing + level] > enough and state[gone + level] + state[missing + level] > SEVERAL * state[farthest + level]:
-                note(state, jump + 1 + level, state[gone + level], state[missing + level])
+            if state[missed_at + level] > enough and state[gone + level] + state[missed_at + level] > SEVERAL * state[farthest + level]:
+                note(state, jump + 1 + level, state[gone + level], state[missed_at + level])
         _watch_motion(which, end, jump, order, p, state, given, step)
     for k in range(9):
         last[k] = given[k]

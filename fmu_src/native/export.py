@@ -161,7 +161,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     """
     from numba import carray
 
-    from cable_model.calls import FASTEST_TOP, TOO_FAST
+    from cable_model.calls import FASTEST_END, TOO_FAST
     from cable_model.effects import Parts
     from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
     from cable_model.kernels.path import fastest_end
@@ -193,6 +193,10 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         in_space = parts.space is not None
         steps, tells_points = what in (STEP, ADVANCE), what in (NODES, SHAPE)
         tries = what == STEP and room.shape[0] > 0
+        if what == START or steps:
+            refused = ends.refuse_lower_end(numbers, time, state, end if what == ADVANCE else inputs)
+            if refused != ok:
+                return refused
         if what == START:
             ends.start_ends(order, numbers, state, inputs)
         elif what == STEP:
@@ -215,7 +219,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             elif steps:
                 outputs[0] = fastest_end(path, step)
                 status = TOO_FAST
-                if outputs[0] <= FASTEST_TOP:
+                if outputs[0] <= FASTEST_END:
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
             if status == ok:
                 write_outputs(parts, numbers, state, work[WORK:], outputs)

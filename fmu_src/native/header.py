@@ -109,7 +109,7 @@ def _start_rule(rule: AtStart) -> str:
 def _bare(kind: type[Model]) -> Model:
     """A model without a scene, to ask it for the texts of its errors."""
     model = kind.__new__(kind)
-    model._calls = cast(Calls, SimpleNamespace(state=np.zeros(header.HEADER), top_speed=math.inf))
+    model._calls = cast(Calls, SimpleNamespace(state=np.zeros(header.HEADER), end_speed=math.inf))
     return model
 
 
