@@ -170,9 +170,21 @@ def _sections(path: Path) -> tuple[str, dict[str, list[Row]]]:
                 title.append(text.strip())
         elif skipped:
             skipped -= 1
+            if _is_of_numbers(text):
+                raise ParameterError(
+                    f"{path.name}, row {number}: has numbers where a table's names or units stand, which are not read. "
+                    "Put a row of names and a row of units above it."
+                )
         elif words := text.partition("#")[0].split():
             rows.append(Row(path.name, number, tuple(words)))
     return " ".join(title), found
+
+
+def _is_of_numbers(text: str) -> bool:
+    """Whether most words of a line are numbers: a row of a table."""
+    words = text.partition("#")[0].split()
+    numbers = sum(re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?", word) is not None for word in words)
+    return 2 * numbers > len(words)
 
 
 def _point(row: Row) -> Point:
@@ -232,6 +244,9 @@ def read(path: Path) -> Deck:
     for row in found[TYPES]:
         if len(row.words) < 10:
             raise row.refused(f"a line type has {len(row.words)} columns: must be 10 as in MoorDyn v2 (v1 has no EI). Complete the row.")
+    for k, row in enumerate(found[TYPES]):
+        if row.words[0] in [before.words[0] for before in found[TYPES][:k]]:
+            raise row.refused(f"line type {row.words[0]!r} stands twice in its section. Give each its own name.")
     words = [word for row in found.get(OUTPUTS, ()) for word in re.split(r'[,"]+', " ".join(row.words)) for word in word.split()]
     return Deck(
         path, title, {row.words[0]: row for row in found[TYPES]}, _numbered(found[POINTS], _point), _numbered(found[LINES], _line),

@@ -15,7 +15,7 @@ from matplotlib.ticker import MaxNLocator
 
 from cable_model.errors import ParameterError, writing
 from cable_model.moving import Picture, arrange, panels
-from cable_model.plots import COLOURS, GREY, SEA, SEABED, STYLES
+from cable_model.plots import COLOURS, GREY, SEA, SEABED, STYLES, open_axis
 from cable_model.scene import Scene
 from cable_model.simulation import Result
 
@@ -92,6 +92,7 @@ def _tension(axis: Axes, picture: Picture, scene: Scene) -> Callable[[int], None
         panel = panels(moving.run, scene)[0]
         axis.plot(moving.run["time"], *panel.lines.values(), color=colour, linestyle=style, linewidth=1.2)
         axis.set(xlabel="time [s]", title=panel.label)
+        open_axis(axis, panel.least)
     axis.grid(alpha=0.3)
     cursor = axis.axvline(0.0, color=GREY)
 

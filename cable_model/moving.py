@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cable_model.effects import BY_NAME, CHAIN
+from cable_model.plots import STEADY, STEADY_WAY
 from cable_model.scene import Scene
 from cable_model.sea import components
 from cable_model.simulated import is_on
@@ -19,6 +20,7 @@ MOST_PLACES = 128  # of the surface at a moment
 PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
 WIDTH = 0.25  # of the box's longest side: what a side has at least
 FRAME = (0.05, 0.1)  # s that a moment is shown at least and at most: shorter hurries, longer is dull
+GRAVITY = 9.81  # m/s2, for a scale of speeds
 NEAR = 1.0  # of the longest side: how far from the cable water's surface and seabed still belong in the picture
 
 
@@ -59,6 +61,7 @@ class Picture:
     high: np.ndarray
     surface: Surface | None
     seabed: float | None
+    output_steps: float  # of the run, from one moment to the next, on average
 
     @property
     def pace(self) -> float:
@@ -79,10 +82,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class Panel:
-    """Time series of a run on one axis: its label, and lines by their names, (rows,) each."""
+    """Time series of a run on one axis: its label, lines by their names, (rows,) each, and what the axis spans at least."""
 
     label: str
     lines: dict[str, np.ndarray]
+    least: float
 
 
 def _has(effect: str, scene: Scene) -> bool:
@@ -103,13 +107,15 @@ def word_of_lower_end(scene: Scene) -> str:
 
 def panels(run: Result, scene: Scene) -> tuple[Panel, Panel, Panel]:
     """What tells most about a run: the tension above, that below or, of a free end, its speed, and where the end that moves is."""
-    below = Panel(f"tension at the {word_of_lower_end(scene)} [N]", {"": run["body.tension"]})
+    pull, way = STEADY * float(np.abs(run["top.tension"]).max()), STEADY_WAY * scene.cable.length
+    below = Panel(f"tension at the {word_of_lower_end(scene)} [N]", {"": run["body.tension"]}, pull)
     if not is_held(scene) and scene.body.mass == 0.0:
-        below = Panel("speed of the free end [m/s]", {"": np.sqrt(sum(run[f"body.v{axis}"] ** 2 for axis in "xyz"))})
+        speed = np.sqrt(sum(run[f"body.v{axis}"] ** 2 for axis in "xyz"))
+        below = Panel("speed of the free end [m/s]", {"": speed}, STEADY_WAY * math.sqrt(GRAVITY * scene.cable.length))
     end, word = ("top", "top") if is_held(scene) else ("body", "lower end")
     axes = "xyz" if scene.solver.space else "xz"
     moved = {axis: run[f"{end}.{axis}"] - run[f"{end}.{axis}"][0] for axis in axes}
-    return Panel("top tension [N]", {"": run["top.tension"]}), below, Panel(f"{word} from its start [m]", moved)
+    return Panel("top tension [N]", {"": run["top.tension"]}, pull), below, Panel(f"{word} from its start [m]", moved, way)
 
 
 def evenly(count: int, most: int) -> np.ndarray:
@@ -142,7 +148,7 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     surface = _surface(scene, times, low, high) if near else None
     if surface is not None:
         low[2], high[2] = min(low[2], surface.heights.min()), max(high[2], surface.heights.max())
-    return Picture(times, cables, low, high, surface, seabed)
+    return Picture(times, cables, low, high, surface, seabed, (len(longest.table) - 1) / max(1, len(moments) - 1))
 
 
 def _thinned(run: Result, moments: np.ndarray, coloured: bool) -> Moving:

@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.moving import Picture, panels
+from cable_model.moving import Panel, Picture, panels
 from cable_model.page_traces import AXES, colour_of
+from cable_model.plots import GREY, opened
 from cable_model.scene import Scene
 
 WORDS = 105  # characters in a line of the title
-SPACE = 0.62  # of the page's width; beside it are the panels
+BAR, SPACE = 0.07, 0.62  # of the page's width: left of the space is the bar of colours, beside it are the panels
 ROWS = ((0.755, 0.96), (0.485, 0.69), (0.215, 0.42))  # of its height, of each panel
 ROOM = (2.5, 1.8)  # for the box, across and upright, in plotly's lengths
 EYE = {False: (0.35, -1.8, 0.35), True: (1.0, -1.4, 0.6)}  # where the cable is looked at from in the plane, and in space
@@ -27,10 +28,17 @@ def layout(picture: Picture, scene: Scene, errors: Sequence[str]) -> dict[str, A
     title = textwrap.wrap(html.escape(scene.title, quote=False), WORDS)
     for error in errors:
         title += [f'<span style="color:{WRONG}">{line}</span>' for line in textwrap.wrap(html.escape(error, quote=False), WORDS)]
+    if picture.output_steps > 1.0:
+        apart = float(np.ptp(picture.times)) / (len(picture.times) - 1)
+        title.append(
+            f'<span style="color:{GREY}">The cable is shown every {apart:.3g} s, at one of {picture.output_steps:.2g} output steps: '
+            "what swings faster looks slower here. The curves have all peaks.</span>"
+        )
     return {
         "margin": {"l": 8, "r": 12, "t": 10 + 20 * len(title), "b": 8}, "font": {"size": 12, "color": "#222222"},
         "paper_bgcolor": "white", "plot_bgcolor": "white", "showlegend": False, "uirevision": "kept",
-        "scene": _space(picture, scene), **_axes(), "annotations": [_text("<br>".join(title), 0.0, 1.0, 15), *_headings(picture, scene)],
+        "scene": _space(picture, scene), **_axes(picture, scene),
+        "annotations": [_text("<br>".join(title), 0.0, 1.0, 15), *_headings(picture, scene)],
         "sliders": [_slider(picture)], "updatemenus": [_buttons(picture)],
     }  # fmt: skip
 
@@ -49,7 +57,7 @@ def _space(picture: Picture, scene: Scene) -> dict[str, Any]:
         for k, axis in enumerate("xyz")
     }  # fmt: skip
     return {
-        "domain": {"x": [0.0, SPACE], "y": [0.12, 1.0]}, "aspectmode": "manual", "hovermode": "closest",
+        "domain": {"x": [BAR, SPACE], "y": [0.12, 1.0]}, "aspectmode": "manual", "hovermode": "closest",
         "aspectratio": dict(zip("xyz", (sides * _zoom(sides, eye)).tolist(), strict=True)),
         "camera": {"projection": {"type": "orthographic"}, "eye": dict(zip("xyz", eye.tolist(), strict=True))}, **axes,
     }  # fmt: skip
@@ -62,18 +70,26 @@ def _zoom(sides: np.ndarray, eye: np.ndarray) -> float:
     return float(min(room / (np.abs(axis) / np.linalg.norm(axis) @ sides) for room, axis in zip(ROOM, (right, up), strict=True)))
 
 
-def _axes() -> dict[str, Any]:
+def _axes(picture: Picture, scene: Scene) -> dict[str, Any]:
     """Of the three panels, over one time; those of cursors lie over them and go from 0 to 1."""
     axes: dict[str, Any] = {}
     line = {"gridcolor": "#e4e4e4", "zeroline": False, "linecolor": "#888888", "showline": True, "exponentformat": "SI"}
-    for (n, upright), row in zip(AXES.items(), ROWS, strict=True):
+    shown = [panels(moving.run, scene) for moving in picture.cables.values()]
+    for k, ((n, upright), row) in enumerate(zip(AXES.items(), ROWS, strict=True)):
         axes[f"xaxis{n}"] = {"domain": [SPACE + 0.05, 1.0], "anchor": f"y{n}", "showticklabels": n == LAST} | line
-        axes[f"yaxis{n}"] = {"domain": row, "anchor": f"x{n}"} | line
+        axes[f"yaxis{n}"] = {"domain": row, "anchor": f"x{n}", **_range([of_run[k] for of_run in shown])} | line
         axes[f"yaxis{upright}"] = {"overlaying": f"y{n}", "anchor": f"x{n}", "range": [0.0, 1.0], "visible": False}
         if n:
             axes[f"xaxis{n}"]["matches"] = "x"
     axes[f"xaxis{LAST}"]["title"] = {"text": "time [s]"}
     return axes
+
+
+def _range(shown: Sequence[Panel]) -> dict[str, Any]:
+    """Of an upright axis: plotly's own, but where there is next to nothing to see."""
+    values = np.concatenate([line for panel in shown for line in panel.lines.values()])
+    low, high, least = float(values.min()), float(values.max()), max(panel.least for panel in shown)
+    return {} if high - low > least else {"range": [*opened(low, high, least)]}
 
 
 def _headings(picture: Picture, scene: Scene) -> list[dict[str, Any]]:

@@ -17,6 +17,8 @@ from cable_model.simulation import Result
 COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
 STYLES = ("-", "--", "-.", ":")
 SEA, SEABED, GREY = "#3f8fcb", "#b08d55", "#6b7580"
+STEADY = 1e-3  # of the largest value: an axis that spans less shows rounding as motion
+STEADY_WAY = 1e-4  # the same of ways, of the cable's length
 
 
 def check_kind(path: Path) -> None:
@@ -39,11 +41,31 @@ def picture(results: dict[str, Result], title: str, path: Path) -> None:
         axes["path"].plot(run["body.x"], run["body.z"], **line)
     _shapes(axes["shape"], results)
     _label(axes)
+    way = STEADY_WAY * max(length_of(run) for run in results.values())
+    open_axis(axes["tension"], STEADY * max(np.abs(run["top.tension"]).max() for run in results.values()))
+    for key in ("body", "body2"):
+        open_axis(axes[key], way)
     figure.suptitle(title, parse_math=False)
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
     with writing(path):
         figure.savefig(path, dpi=110)
+
+
+def length_of(run: Result) -> float:
+    """Of the cable as it lies at the start, m."""
+    return float(np.sum(np.linalg.norm(np.diff(run.shapes[0], axis=0), axis=1)))
+
+
+def opened(low: float, high: float, least: float) -> tuple[float, float]:
+    """Limits about the same middle, at least `least` apart."""
+    half = 0.5 * max(high - low, least)
+    return 0.5 * (low + high) - half, 0.5 * (low + high) + half
+
+
+def open_axis(axis: Axes, least: float) -> None:
+    """Let the upright axis span at least `least`."""
+    axis.set_ylim(opened(*axis.get_ylim(), least))
 
 
 def _shapes(axis: Axes, results: dict[str, Result]) -> None:

@@ -216,6 +216,16 @@ WRONG = [
         "lowered", (("3     Fixed    0 ", "2     Fixed    0 "),), None,
         "lines.txt, row 20: ID 2 stands twice in its section. Give each its own.",
     ),
+    (
+        "lowered", (("(-)     (m)    (kg/m)   (N)                (N-s)      (Nm2)  (-)   (-)   (-)    (-)    (-)\nrope ", "rope "),
+                    ("rope.dat|2e6|0.4", "1e6")), None,
+        "lines.txt, row 4: has numbers where a table's names or units stand, which are not read. "
+        "Put a row of names and a row of units above it.",
+    ),
+    (
+        "lowered", (("spare ", "rope  "),), None,
+        "lines.txt, row 6: line type 'rope' stands twice in its section. Give each its own name.",
+    ),
     ("lowered", ((HUNG, ""),), None, "lines.txt: nothing in section LINES. Give a whole MoorDyn v2 input file."),
     ("lowered", (("0.2      dtOut", "-2 kBot"),), None, "lines.txt, row 31: kBot = -2: must be >= 0. Mend it."),
     (

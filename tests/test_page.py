@@ -117,6 +117,28 @@ def test_rare_peaks_do_not_take_the_colours_from_the_rest(scene, run):
     assert least < most < 150.0 and title == "tension [N]<br>peaks to 50000"
 
 
+def test_a_page_that_leaves_output_steps_out_says_so(page, scene, run):
+    words = "The cable is shown every 0.0134 s, at one of 1.3 output steps: what swings faster looks slower here."
+    assert words in page.layout["annotations"][0]["text"]
+    short = replace(run, table=run.table[:300], shapes=run.shapes[:300], tensions=run.tensions[:300])
+    assert "is shown every" not in str(figure(arrange({"CableChain": short}, load(scene), MOST_FRAMES), load(scene), [])["layout"])
+
+
+def test_rounding_of_a_run_at_rest_is_not_shown_as_motion(scene, run, tmp_path):
+    """Lines of 490 N and 0 m whose last digits move, as they do at rest."""
+    table = np.array(run.table)
+    noise = np.random.default_rng(1).uniform(-1.0, 1.0, len(table))
+    for name, value in (("top.tension", 490.0), ("body.tension", 98.0), ("body.x", 3.0), ("body.z", -18.0)):
+        table[:, COLUMNS.index(name)] = value * (1.0 + 1e-13 * noise)
+    still = {"CableChain": replace(run, table=table)}
+    shown = figure(arrange(still, load(scene), MOST_FRAMES), load(scene), [])["layout"]
+    for axis, middle, least in (("yaxis", 490.0, 0.49), ("yaxis2", 98.0, 0.49), ("yaxis3", 0.0, 2e-3)):
+        low, high = shown[axis]["range"]
+        assert 0.5 * (low + high) == pytest.approx(middle, abs=1e-9) and high - low == pytest.approx(least)
+    moving = figure(arrange({"CableChain": run}, load(scene), 9), load(scene), [])["layout"]
+    assert "range" not in moving["yaxis"] and "range" not in moving["yaxis3"]
+
+
 def test_of_two_cables_one_is_coloured_and_both_move(page):
     assert "line" not in page.at(0, "TowCable")
     assert page.at(0, "TowCable")["x"] != page.at(200, "TowCable")["x"]
