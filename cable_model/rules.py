@@ -249,11 +249,12 @@ def _check_motion(name: str, part: Motion) -> None:
             value = getattr(part, key)
             if key not in KEYS[part.kind] and value != field_of(f"motion.{key}").default:
                 raise refuse(f"{name}.{key}", value, "", f"left out of a {part.kind}", f"It belongs to a {kind}.")
-    if part.kind == "sinusoid" and not given:
+    turned = abs(math.sin(part.phase)) > 1e-9
+    if part.kind == "sinusoid" and not given and not turned:
         raise refuse(name, "no frequency", "", "a sinusoid with one of angular_frequency, period and frequency", "Give one.")
     if 0.0 < part.stop <= part.start:
         raise refuse(f"{name}.stop", part.stop, "s", f"0 or > start = {part.start:g}", "Mend one of them.")
-    if part.start > 0.0 and part.ramp_time == 0.0 and abs(math.sin(part.phase)) > 1e-9 and part.amplitude != 0.0:
+    if part.start > 0.0 and part.ramp_time == 0.0 and turned and part.amplitude != 0.0:
         raise refuse(
             f"{name}.phase", part.phase, "rad", "0 or pi in a sinusoid that begins later without ramp_time: else it begins with a jump",
             "Give ramp_time, or start = 0.",

@@ -97,6 +97,13 @@ def _scaled(value: Any, units: str, factors: tuple[float, float, float]) -> Any:
     return value * unit_factor(units, *factors) if value not in (-1.0,) or units in ("", "1", "rad") else value
 
 
+def _without_use(part: str, holder: Any) -> set[str]:
+    """Values of a part of a scene that must stay as they usually are, and the motion, which no battery has."""
+    if part == "waves":
+        return ({"period"} if not holder.amplitude else set()) | ({"peak_period"} if holder.spectrum == "none" else set())
+    return {"motion"} if part in ("top", "lower") else set()
+
+
 def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Scene:
     """The same scene, its numbers as they are in smaller units of mass, length and time."""
     parts = {}
@@ -106,12 +113,13 @@ def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Sce
             continue
         if part.name == "seabed" and not holder.stiffness:
             continue  # there is none, and its values must be the usual ones
+        usual = _without_use(part.name, holder)
         parts[part.name] = dataclasses.replace(
             holder,
             **{
                 f.name: _scaled(getattr(holder, f.name), f.metadata["unit"], (mass, length, time))
                 for f in dataclasses.fields(holder)
-                if not (part.name in ("top", "lower") and f.name == "motion")
+                if f.name not in usual
             },
         )
     return dataclasses.replace(scene, **parts)

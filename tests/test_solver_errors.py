@@ -23,7 +23,7 @@ def test_a_step_without_a_solution_ends_with_time_node_size_and_remedy_and_the_r
     assert re.fullmatch(
         r"CableChain at t = 0\.1 s: Newton's method found no solution even with steps a millionth of solver\.time_step "
         r"\(largest last Newton change nan at node \d+ from the lower end\)\. Try a smaller solver\.time_step, "
-        r"solver\.lambda_infinity = -0\.5, more slack_damping, or a smoother top motion\. Results before this time are valid\.",
+        r"solver\.lambda_infinity = -0\.5, more slack_damping, or a smoother motion\. Results before this time are valid\.",
         str(caught.value),
     )
     assert len(rows) == 6
