@@ -52,6 +52,10 @@ class Effect:
 _WATER = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.added_mass_coefficient": 1.0}
 _SEA = {**_WATER, "waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
 _SEABED = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
+_SECTIONS = [
+    {"length": 0.75, "mass_per_length": 0.1, "axial_stiffness": 1e4},
+    {"length": 1.0, "mass_per_length": 0.05, "axial_stiffness": 1e4},
+]
 _CURVE = [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]
 
 EFFECTS = (
@@ -189,6 +193,10 @@ EFFECTS = (
         "curve", "table of the axial stiffness", Given("cable.stiffness_curve"), ("cable.stiffness_curve",), models=(CHAIN,),
         grids=(STAGGERED,), table=tables.stiffness_curve, native="absent", left_out={"cable.stiffness_curve": ()},
         costs={"table of the axial stiffness": {"cable.stiffness_curve": _CURVE}},
+    ),
+    Effect(
+        "sections", "sections of the cable", Given("cable.section"), ("cable.section",), models=(CHAIN,), grids=(STAGGERED,),
+        table=tables.sections, native="absent", costs={"two sections": {"cable.section": _SECTIONS}},
     ),
     Effect(
         "cable_mass", "cable mass", Given("tow.cable_mass"), ("tow.cable_mass",), models=(TOW,), asked=~Given("tow.cable_mass"),

@@ -14,8 +14,8 @@ INTEGRATORS = ("generalized-alpha", "backward-difference", "trapezoidal", "gener
 
 
 @dataclass(frozen=True)
-class Cable:
-    """The cable itself."""
+class Section:
+    """A length of the cable that is alike."""
 
     length: float = quantity("m", "unstretched length", above=0.0)
     mass_per_length: float = quantity("kg/m", "mass per unstretched length", above=0.0)
@@ -23,7 +23,6 @@ class Cable:
     diameter: float = quantity("m", "diameter that meets the water", default=0.0, least=0.0)
     bending_stiffness: float = quantity("N.m2", "bending stiffness EI (0 = no bending)", default=0.0, least=0.0)
     axial_damping: float = quantity("N.s", "material axial damping: tension per strain rate (0 = none)", default=0.0, least=0.0)
-    quadratic_damping: float = quantity("N.s2", "axial damping: tension per square of the strain rate (0 = none)", default=0.0, least=0.0)
     normal_drag_coefficient: float = quantity("1", "normal drag coefficient", default=0.0, least=0.0)
     tangential_drag_coefficient: float = quantity(
         "1", "tangential drag coefficient (times the diameter, not the perimeter)", default=0.0, least=0.0
@@ -32,11 +31,6 @@ class Cable:
     volume_per_length: float = quantity(
         "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0, gap=(-1.0, 0.0)
     )
-    stiffness_curve: tuple[tuple[float, float], ...] = quantity(
-        "1, N", "table of [strain, tension] from [0, 0] up, joined smoothly, in place of axial_stiffness", default=()
-    )
-    compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
-    inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
 
     @property
     def displaced_area(self) -> float:
@@ -46,6 +40,19 @@ class Cable:
     def added_mass(self, density: float) -> float:
         """Normal added mass per length in water of a density, kg/m."""
         return self.added_mass_coefficient * density * 0.25 * math.pi * self.diameter**2
+
+
+@dataclass(frozen=True)
+class Cable(Section):
+    """The cable itself; of one with sections what they have on the whole, see cable_model.sections."""
+
+    quadratic_damping: float = quantity("N.s2", "axial damping: tension per square of the strain rate (0 = none)", default=0.0, least=0.0)
+    stiffness_curve: tuple[tuple[float, float], ...] = quantity(
+        "1, N", "table of [strain, tension] from [0, 0] up, joined smoothly, in place of axial_stiffness", default=()
+    )
+    compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
+    inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
+    section: tuple[Section, ...] = quantity("", "sections from the lower end to the top", default=())
 
 
 @dataclass(frozen=True)

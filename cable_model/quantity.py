@@ -135,5 +135,6 @@ def _field(name: str, value: Any, kind: Any, field: dataclasses.Field) -> Any:
     if typing.get_origin(kind) is tuple and args and dataclasses.is_dataclass(args[0]):
         if not isinstance(value, list | tuple):
             raise refuse(name, value, "", "a list of tables", f"Write each as [[{name}]].")
-        return tuple(build(typing.cast(type, args[0]), x, f"{name}[{i}]") for i, x in enumerate(value))
+        row = typing.cast(type, args[0])
+        return tuple(x if isinstance(x, row) else build(row, x, f"{name}[{i}]") for i, x in enumerate(value))
     return _checked(name, value, kind, field.metadata)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+from cable_model import sections
 from cable_model.condition import Changed, Chosen, Condition, Given, On
 from cable_model.effects import CHAIN
 from cable_model.errors import ParameterError, refuse
@@ -155,6 +156,14 @@ RULES = (
         Given("host.mass") & Given("top.inputs_at"), "top.inputs_at", "0 with host.mass",
         "Give inputs at the start of the step, or set host.mass = 0.",
     ),
+    Rule(
+        Given("cable.section") & Given("winch.fitted"), "winch.fitted", "false with sections",
+        "Leave the winch out, or make the cable alike all along.",
+    ),
+    Rule(
+        Given("cable.section") & Given("cable.stiffness_curve"), "cable.stiffness_curve", "empty beside sections",
+        "Give each section its axial_stiffness.",
+    ),
     Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
     Rule(
         On("audit") & On("winch"), "solver.audit", "false with a winch",
@@ -273,6 +282,7 @@ def check(scene: Any) -> None:
     for end in ("top", "lower"):
         for k, part in enumerate(getattr(scene, end).motion):
             _check_motion(f"{end}.motion[{k}]", part)
+    sections.check(scene.cable, scene.solver.nodes, true(WET | Given("seabed.stiffness"), scene, CHAIN))
     for error in refused_on_grid(scene):
         raise error
     for name, right, must, remedy in TABLES:

@@ -30,6 +30,7 @@ from cable_model.parameters import (
     Winch,
 )
 from cable_model.quantity import build, quantity
+from cable_model.sections import SHARED, joined
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,11 @@ class Scene:
 
 def from_dict(values: Mapping[str, Any]) -> Scene:
     """Build a scene from nested tables such as a parsed TOML file."""
-    scene: Scene = build(Scene, dict(values))
+    values = dict(values)
+    cable = values.get("cable")
+    if isinstance(cable, dict) and cable.get("section"):
+        values["cable"] = joined(cable)
+    scene: Scene = build(Scene, values)
     return scene
 
 
@@ -104,6 +109,8 @@ def to_toml(scene: Scene) -> str:
                 tables[part.name] = value
             continue
         given = _beyond_defaults(value)
+        if isinstance(value, Cable) and value.section:
+            given = {name: one for name, one in given.items() if name not in (*SHARED, "length")}
         if given or (part.name == "water"):
             tables[part.name] = given
     return tomli_w.dumps(tables, multiline_strings=True)

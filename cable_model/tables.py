@@ -32,3 +32,14 @@ def stiffness_curve(scene: Any) -> np.ndarray:
     slopes[0] = max(slopes[0], 0.1 * secants[0])
     slopes[-1] = max(slopes[-1], 0.1 * secants[-1])
     return np.ascontiguousarray(np.column_stack((rows, slopes)))
+
+
+def sections(scene: Any) -> np.ndarray:
+    """Rows of kernels.sections: the length and what it is made of, from the lower end up."""
+    return np.array([
+        [
+            row.length, row.diameter, row.mass_per_length, row.axial_stiffness, row.bending_stiffness, row.axial_damping,
+            row.normal_drag_coefficient, row.tangential_drag_coefficient, row.added_mass_coefficient, row.displaced_area,
+        ]
+        for row in scene.cable.section
+    ])  # fmt: skip

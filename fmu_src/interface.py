@@ -16,6 +16,7 @@ from cable_model.errors import refuse, unknown
 from cable_model.parameters import field_of, holder_of, value_of
 from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
+from cable_model.sections import SHARED
 from cable_model.signals import INPUTS, OUTPUTS, SHAPE, SHAPE_POINTS
 from cable_model.simulated import TYPES, true
 
@@ -313,6 +314,7 @@ _REPLACED = (  # what a baked table or spectrum takes the place of
     ("waves.spectrum", "a spectrum of waves", ("wave.amplitude", "wave.period", "wave.phase")),
     ("waves.table", "a table of waves", ("wave.amplitude", "wave.period", "wave.direction", "wave.phase")),
     ("cable.stiffness_curve", "a table of the stiffness", ("cable.axial_stiffness",)),
+    ("cable.section", "a cable of sections", (*(f"cable.{name}" for name in ("length", *SHARED)), "solver.nodes")),
     ("lower_end.released", "a lower end that is let go", ("lower_end.anchored",)),
 )
 

@@ -17,8 +17,7 @@ from cable_model.kernels import box, box_step
 from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box_law import Gains, unknowns
 from cable_model.kernels.family import coefficients
-from cable_model.kernels.problem import Body, Cable, Water
-from cable_model.kernels.staggered_step import Numeric, Problem
+from cable_model.kernels.problem import Body, Cable, Numeric, Problem, Water
 from cable_model.signals import OUTPUTS
 
 WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]])

@@ -9,8 +9,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.mesh import fill_mesh
-from cable_model.kernels.problem import Cable, body_weight
-from cable_model.kernels.staggered_step import Problem, with_tolerance
+from cable_model.kernels.problem import Cable, Problem, body_weight, with_tolerance
 from cable_model.kernels.vector import copy_to
 
 STATIC_STEPS = 100

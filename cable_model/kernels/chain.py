@@ -26,8 +26,8 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
 from cable_model.kernels.path import WINCH, Ends, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
-from cable_model.kernels.problem import is_neutral
-from cable_model.kernels.staggered_step import Winding, with_tolerance
+from cable_model.kernels.problem import is_neutral, with_tolerance
+from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import sub
 from cable_model.kernels.watch import open_bottom
 
@@ -61,7 +61,7 @@ def settle(parts, p, time, state, work):
     """Static equilibrium under the top of the header, in the water's velocity of this moment: drag does not jump when the run begins."""
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
-    grid.place_nodes(parts.box, parts.anchor, problem, p[0].solver.grading, view.mesh)
+    grid.place_nodes(parts.box, parts.anchor, parts, problem, p[0].solver.grading, view.mesh)
     top = vector_at(parts, state, header.TOP)
     held = held_place(parts.driven, parts, p, state)
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)

@@ -5,9 +5,8 @@ surface.  With ease 0 they are as they are.
 """
 
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import Body, Cable
+from cable_model.kernels.problem import Body, Cable, Numeric, Problem
 from cable_model.kernels.seabed import Ground
-from cable_model.kernels.staggered_step import Numeric, Problem
 
 SPREAD = 0.1  # of the weight: width of the slack law, and by length that of the seabed
 BLUNT = 0.3  # of a cell: see Numeric.blunt
@@ -33,11 +32,14 @@ def eased(problem, ease, blunt, weight, bending, tolerance):
         0.0,
         blunt,
         TURN if blunt > 0.0 else 0.0,
+        old.rests,
+        weight / ease if ease > 0.0 else 1e300,
+        THICK * ease * cable.length,
     )
     stiffness = cable.stiffness
     if ease * stiffness > weight:
         stiffness = weight / ease
-    soft = Cable(cable.length, max(cable.diameter, THICK * ease * cable.length), cable.mass, stiffness, cable.gravity, cable.weight)
+    soft = Cable(cable.length, max(cable.diameter, numeric.thinnest), cable.mass, stiffness, cable.gravity, cable.weight)
     return Problem(
         soft,
         problem.medium,
@@ -65,5 +67,5 @@ def _soft_ground(ground, ease, weight, length):
         stiffness = weight / (ease * length * length)
     return Ground(
         ground.level, stiffness, ground.lag, ground.least_lag, ground.friction, ground.grip, ground.drag, ground.laid, ground.body_length,
-        max(ground.smoothing, SPREAD * ease * weight / length),
+        max(ground.smoothing, SPREAD * ease * weight / length), ground.sections, ground.weight, ground.density, ground.numbers,
     )  # fmt: skip

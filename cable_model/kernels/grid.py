@@ -53,12 +53,12 @@ cut_scratch = by_presence(_staggered_scratch, _box_scratch)
 
 
 @kernel
-def _staggered_places(box, anchor, problem, grading, mesh):
-    staggered_chain.place_nodes(anchor, problem, grading, mesh)
+def _staggered_places(box, anchor, parts, problem, grading, mesh):
+    staggered_chain.place_nodes(anchor, parts, problem, grading, mesh)
 
 
 @kernel
-def _box_places(box, anchor, problem, grading, mesh):
+def _box_places(box, anchor, parts, problem, grading, mesh):
     box_chain.place_nodes(problem, grading, mesh)
 
 
@@ -151,7 +151,7 @@ def _staggered_keep(box, parts, problem, view, like, h):
     """The tensions that the last Newton iteration found, and the stretch of friction's springs."""
     for i in range(view.force.shape[0]):
         view.force_old[i] = view.force[i]
-    staggered_step.keep_tensions(parts, problem.numeric, view.mesh, view.force, view.scratch)
+    staggered_step.keep_tensions(parts, problem, view.mesh, view.force, view.scratch)
     keep_sliders(parts.friction, problem.ground, view.mesh, h, like, view.scratch.contact, view.sliders)
 
 
@@ -241,7 +241,7 @@ ready_tensions = by_presence(_staggered_ready, _box_ready)  # what node_tension 
 
 @kernel
 def _staggered_tension(box, parts, problem, view, offset, i, like):
-    return staggered_chain.node_tension(parts, problem.numeric, view.mesh, view.y, i, like, view.scratch)
+    return staggered_chain.node_tension(parts, problem, view.mesh, view.y, i, like, view.scratch)
 
 
 @kernel
@@ -291,7 +291,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     length = 0.0
     position = top
     for i in range(n - 2, -1, -1):
-        t = staggered_chain.axial_force(parts, problem.numeric, mesh, view.y, i, top, view.scratch)
+        t = staggered_chain.axial_force(parts, problem, mesh, view.y, i, top, view.scratch)
         largest = max(largest, t)
         smallest = min(smallest, t)
         if t < 1e-3 * total_weight(parts, p):

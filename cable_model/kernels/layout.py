@@ -11,6 +11,7 @@ from cable_model.kernels.friction import slider_count
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
+from cable_model.kernels.sections import mesh_columns
 
 
 class View(NamedTuple):
@@ -49,7 +50,12 @@ axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimensio
 def state_size(parts, p):
     n = node_count(p)
     rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
-    return header.HEADER + 2 * (n - 1) + (3 * rows + kept + slider_count(parts.friction, n)) * columns + 2 * tensions
+    return (
+        header.HEADER
+        + mesh_columns(parts.sections) * (n - 1)
+        + (3 * rows + kept + slider_count(parts.friction, n)) * columns
+        + 2 * tensions
+    )
 
 
 @kernel
@@ -66,12 +72,13 @@ def cut(parts, p, state, work):
     like = axes(parts.space, 0.0, 0.0, 0.0)
     rows, d, kept, tensions = grid.shape(parts.box, parts.bending, n, like)
     m = rows * d
-    o = header.HEADER + 2 * (n - 1)
+    wide = mesh_columns(parts.sections)
+    o = header.HEADER + wide * (n - 1)
     e = o + 3 * m + kept * d
     f = e + 2 * tensions
     sliders = slider_count(parts.friction, n)
     return View(
-        state[header.HEADER : o].reshape((n - 1, 2)),
+        state[header.HEADER : o].reshape((n - 1, wide)),
         state[o : o + m].reshape((rows, d)),
         state[o + m : o + 2 * m].reshape((rows, d)),
         state[o + 2 * m : o + 3 * m].reshape((rows, d)),

@@ -1,9 +1,18 @@
 """Where the nodes are: uniform, graded towards the lower end, or equally spaced in the travel time of transverse waves.
 
-mesh (n-1, 2): unstretched length h of each cell and its split b, the share of it below the image of the cell's midpoint.
+mesh (n-1, 2): unstretched length h of each cell and its split b, the share of it below the image of the cell's midpoint; with sections
+(n-1, 3), and the row of the cell's section.
 """
 
+import math
+
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import body_weight, cable_of, density_of, total_weight, water_of
+from cable_model.kernels.sections import LENGTH, SECTION, row_of
+
+FEWEST = 2  # cells of a section
+SLOWEST = 0.2  # of the root of the whole weight: next to no tension does not draw all cells
 
 
 @kernel
@@ -28,3 +37,64 @@ def fill_mesh(mesh, grading, length, end_tension, weight):
         mesh[i, 0] = above - below
         mesh[i, 1] = (middle - below) / (above - below)
         below = above
+
+
+@kernel
+def _fill_whole(sections, parts, problem, grading, mesh):
+    fill_mesh(mesh, grading, problem.cable.length, body_weight(problem.body), problem.cable.weight)
+
+
+@kernel
+def _travel_time(parts, problem, k, below, grading):
+    """That of transverse waves over section k, at whose lower end the tension is `below`, s; or with equal cells what goes with it.
+
+    Under one tension everywhere, as it is between two held ends, it goes with the root of the mass.
+    """
+    p = problem.numbers
+    density = density_of(parts.water, p)
+    made, length = row_of(parts.sections, k), parts.sections[k, LENGTH]
+    cable = cable_of(made, length, density, problem.cable.gravity)
+    heavy = math.sqrt(cable.mass + water_of(made, density).added_mass)
+    if grading >= 1.0:
+        return heavy * length, cable.weight
+    roots = math.sqrt(abs(below)) + math.sqrt(abs(below + cable.weight * length))
+    return 2.0 * heavy * length / max(roots, SLOWEST * math.sqrt(total_weight(parts, p))), cable.weight
+
+
+@kernel
+def _fill_sections(sections, parts, problem, grading, mesh):
+    """Nodes on every joint; each section has cells by its travel time, FEWEST at least, in its own grading."""
+    cells, last = mesh.shape[0], sections.shape[0] - 1
+    total = 0.0
+    below = body_weight(problem.body)
+    for k in range(last + 1):
+        time, weight = _travel_time(parts, problem, k, below, grading)
+        total += time
+        below += weight * sections[k, LENGTH]
+    passed = 0.0
+    first = 0
+    below = body_weight(problem.body)
+    for k in range(last + 1):
+        time, weight = _travel_time(parts, problem, k, below, grading)
+        passed += time
+        beyond = int(cells * passed / total + 0.5)
+        beyond = min(max(beyond, first + FEWEST), cells - FEWEST * (last - k))
+        if k == last:
+            beyond = cells
+        own = mesh[first:beyond]
+        fill_mesh(own, grading, sections[k, LENGTH], below, weight)
+        for i in range(own.shape[0]):
+            own[i, SECTION] = k
+        below += weight * sections[k, LENGTH]
+        first = beyond
+
+
+fill = by_presence(_fill_whole, _fill_sections)  # the cells of a cable on the staggered grid
+
+
+@kernel
+def fewest_nodes(sections):
+    """Nodes that a mesh has at least."""
+    if sections is None:
+        return 3
+    return FEWEST * sections.shape[0] + 1

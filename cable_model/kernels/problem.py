@@ -1,11 +1,13 @@
-"""Cable, body and water as named constants, from the record `p` of all numbers (parts.NUMBERS)."""
+"""What is simulated, as named constants from the record `p` of all numbers (parts.NUMBERS): cable, body, water, and those of the method."""
 
 from typing import NamedTuple
 
 from cable_model.kernels.choice import without
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.sections import sizes_of_weights
 
 NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is one of rounding and of measured densities
+LEAST_WEIGHT = 1e-9  # of its weight in air, which a cable has at rest at least
 in_calm_water = without("waves", "finite_depth", "stretched", "cut")  # the same parts without waves
 
 
@@ -34,24 +36,88 @@ class Water(NamedTuple):
     displaced_mass: float  # per unstretched length, kg/m
 
 
+class Numeric(NamedTuple):
+    """Constants of a run that are neither cable nor water."""
+
+    smoothing: float  # largest w0 of the slack law, N; see slack.width
+    hung: float  # weight of the body, N
+    own: float  # weight of the cable, N/m
+    damping: float  # slack law: axial damping per cell length, zeta sqrt(EA m), N s/m
+    voigt: float  # material axial damping, N s
+    bending: float  # EI, N m2
+    pull: float  # horizontal force on the lower end, N
+    tolerance: float  # of the Newton iteration on velocities, m/s
+    rounding: float  # changes of velocities that may be rounding errors, m/s
+    blunt: float = 0.0  # of a cell: sqrt(q^2 + blunt^2) is its stretch, so that one that vanishes keeps a direction; 0 but in statics
+    turn: float = 0.0  # largest change of a cell vector within an iteration; 0: any
+    rests: float = 0.0  # 1 in statics
+    stiffest: float = 1e300  # EA that statics let a cell have, N
+    thinnest: float = 0.0  # and diameter, m
+
+
+class Problem(NamedTuple):
+    """What moves: see the classes above."""
+
+    cable: object
+    medium: object
+    body: object
+    numeric: object
+    ground: object  # the seabed
+    numbers: object  # the record of all numbers, for effects that need no more than their own
+
+
 @kernel
-def displaced_area(p):
-    """Displaced volume per unstretched length, m2: that of the diameter unless given."""
-    cable = p[0].cable
-    if cable.volume_per_length >= 0.0:
-        return cable.volume_per_length
-    return 0.25 * 3.141592653589793 * cable.diameter * cable.diameter
+def with_tolerance(problem, tolerance, rounding):
+    """The same problem in motion with other limits of Newton's method, m/s."""
+    old = problem.numeric
+    numeric = Numeric(
+        old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding, 0.0, 0.0, 0.0, 1e300, 0.0
+    )
+    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
+
+
+@kernel
+def density_of(water, p):
+    """Of the water, kg/m3; 0 without any."""
+    if water is None:
+        return 0.0
+    return p[0].water.density
+
+
+@kernel
+def displaced_area(made):
+    """Displaced volume per unstretched length of what a cable is made of, m2: that of the diameter unless given."""
+    if made.volume_per_length >= 0.0:
+        return made.volume_per_length
+    return 0.25 * 3.141592653589793 * made.diameter * made.diameter
 
 
 @kernel
 def cable_part(water, p):
-    area = displaced_area(p)
-    cable, gravity = p[0].cable, p[0].environment.gravity
-    mass = cable.mass_per_length
-    density = 0.0
-    if water is not None:
-        density = p[0].water.density
-    return Cable(cable.length, cable.diameter, mass, cable.axial_stiffness, gravity, (mass - density * area) * gravity)
+    return cable_of(p[0].cable, p[0].cable.length, density_of(water, p), p[0].environment.gravity)
+
+
+@kernel
+def cable_of(made, length, density, gravity):
+    """A cable of this length, all of which is made as `made` says."""
+    mass = made.mass_per_length
+    return Cable(length, made.diameter, mass, made.axial_stiffness, gravity, (mass - density * displaced_area(made)) * gravity)
+
+
+@kernel
+def with_some_weight(cable, rests):
+    """The cable, which at rest (`rests` 1, else 0) hangs straight down where it weighs next to nothing: rounding would crumple it."""
+    weight = cable.weight
+    least = rests * LEAST_WEIGHT * cable.mass * cable.gravity
+    if abs(weight) < least:
+        weight = least
+    return Cable(cable.length, cable.diameter, cable.mass, cable.stiffness, cable.gravity, weight)
+
+
+@kernel
+def own_weight(cable):
+    """Of a metre in the scale of the slack law, N/m; never zero."""
+    return max(abs(cable.weight), 1e-6 * cable.mass * cable.gravity, 1e-12 * cable.stiffness / cable.length)
 
 
 @kernel
@@ -59,9 +125,7 @@ def body_part(body, water, p):
     if body is None:
         return None
     hung = p[0].body
-    density = 0.0
-    if water is not None:
-        density = p[0].water.density
+    density = density_of(water, p)
     added = 0.0
     if water is not None:
         added = hung.added_mass
@@ -71,13 +135,11 @@ def body_part(body, water, p):
 
 
 @kernel
-def water_part(water, p):
-    if water is None:
-        return None
-    cable, density = p[0].cable, p[0].water.density
-    added = density * 0.25 * 3.141592653589793 * cable.diameter * cable.diameter * cable.added_mass_coefficient
-    drag = 0.5 * density * cable.diameter
-    return Water(drag * cable.normal_drag_coefficient, drag * cable.tangential_drag_coefficient, added, density * displaced_area(p))
+def water_of(made, density):
+    """Water of this density about a cable that is made as `made` says."""
+    added = density * 0.25 * 3.141592653589793 * made.diameter * made.diameter * made.added_mass_coefficient
+    drag = 0.5 * density * made.diameter
+    return Water(drag * made.normal_drag_coefficient, drag * made.tangential_drag_coefficient, added, density * displaced_area(made))
 
 
 @kernel
@@ -96,11 +158,20 @@ def body_mass(body):
 
 
 @kernel
+def _cable_weight(parts, p):
+    """Sum of the sizes of the weights of all of the cable, N."""
+    cable = cable_part(parts.water, p)
+    if parts.sections is None:
+        return abs(cable.weight) * cable.length
+    return sizes_of_weights(parts.sections, density_of(parts.water, p), cable.gravity)
+
+
+@kernel
 def is_neutral(parts, p):
     """Whether cable and body weigh next to nothing in the water, either way; and what they weigh, N, and their mass, kg."""
     cable = cable_part(parts.water, p)
     body = body_part(parts.body, parts.water, p)
-    weight = abs(cable.weight) * cable.length + abs(body_weight(body))
+    weight = _cable_weight(parts, p) + abs(body_weight(body))
     mass = cable.mass * cable.length + body_mass(body)
     return weight <= NEUTRAL * mass * cable.gravity, weight, mass
 
@@ -112,8 +183,8 @@ def node_count(p):
 
 @kernel
 def total_weight(parts, p):
-    """Force scale W: weights in the medium of cable and body, N; never zero."""
+    """Force scale W: sizes of the weights in the medium of cable and body, N; never zero."""
     cable = cable_part(parts.water, p)
-    weight = abs(cable.weight) * cable.length
+    weight = _cable_weight(parts, p)
     weight += abs(body_weight(body_part(parts.body, parts.water, p)))
     return max(weight, 1e-6 * cable.mass * cable.gravity * cable.length, 1e-12 * cable.stiffness)

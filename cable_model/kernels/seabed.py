@@ -15,6 +15,8 @@ from typing import NamedTuple
 from cable_model.kernels import friction as sliders
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import cable_of
+from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import constitutive, iterate, step_tension
 from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, norm, outer, scale, store_from, sub, upward, zero
 
@@ -24,6 +26,7 @@ SLOPE = 2  # its derivative by the vertical velocity
 HEIGHT = 3  # height and vertical velocity of the node at the old time
 SPEED = 4
 COLUMNS = sliders.COLUMNS  # the others are friction.py's
+LIGHTEST = 1e-3  # of the weight of a metre on average
 RESTING = 0.05  # of the weight that a node carries
 
 
@@ -40,6 +43,37 @@ class Ground(NamedTuple):
     laid: float  # 1: statics of a cable that was laid out from its anchor
     body_length: float  # of cable that would weigh as much as the body, m: the body sinks in as deep as the cable
     smoothing: float  # w0 of a unit length, N/m
+    sections: object = None  # and what tells what a node has of it where there are any
+    weight: float = 0.0  # of a metre, N/m: the scale of smoothing, grip, drag and body_length
+    density: float = 0.0  # of the water, kg/m3
+    numbers: object = None
+
+
+@kernel
+def _as_all(sections, ground, mesh, i):
+    return ground
+
+
+@kernel
+def _of_both_cells(sections, ground, mesh, i):
+    """The seabed under node i, whose cells lie on it with their own diameters, masses and weights, by the lengths that it carries."""
+    p, gravity = ground.numbers, ground.numbers[0].environment.gravity
+    above = mesh[i, 1] * mesh[i, 0]
+    below = (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0] if i > 0 else 0.0
+    up = cable_of(made_of(sections, p, mesh, i), 1.0, ground.density, gravity)
+    low = cable_of(made_of(sections, p, mesh, max(i - 1, 0)), 1.0, ground.density, gravity)
+    share = above / (above + below)
+    whole = p[0].cable
+    wide = (share * up.diameter + (1.0 - share) * low.diameter) / whole.diameter
+    massive = (share * up.mass + (1.0 - share) * low.mass) / whole.mass_per_length
+    heavy = max((share * abs(up.weight) + (1.0 - share) * abs(low.weight)) / ground.weight, LIGHTEST)
+    return Ground(
+        ground.level, ground.stiffness * wide, ground.lag * (massive / wide) ** 0.5, ground.least_lag, ground.friction, ground.grip * heavy,
+        ground.drag * heavy, ground.laid, ground.body_length / heavy, ground.smoothing * heavy, sections, ground.weight, ground.density, p,
+    )  # fmt: skip
+
+
+under = by_presence(_as_all, _of_both_cells)  # the seabed as node i has it
 
 
 @kernel
@@ -55,7 +89,8 @@ def under_body(present, ground, mesh):
     """Share of the seabed's force on node 0 that the body there takes: the rest lifts the cable's part of the node."""
     if present is None:
         return 0.0
-    return ground.body_length / (ground.body_length + mesh[0, 1] * mesh[0, 0])
+    length = under(ground.sections, ground, mesh, 0).body_length
+    return length / (length + mesh[0, 1] * mesh[0, 0])
 
 
 @kernel
@@ -71,14 +106,15 @@ def _start(present, friction, ground, mesh, y0, top_row, h, like, contact):
         position = axpy(-mesh[i, 0], load(y0, i, like), position)
         height = position[len(like) - 1] - ground.level
         speed = y0[n + i, len(like) - 1]
-        length = _carried(ground, mesh, i)
-        w0 = ground.smoothing * length
-        f = -ground.stiffness * length * (height + max(ground.lag, ground.least_lag * h) * speed)
+        own = under(ground.sections, ground, mesh, i)
+        length = _carried(own, mesh, i)
+        w0 = own.smoothing * length
+        f = -own.stiffness * length * (height + max(own.lag, own.least_lag * h) * speed)
         root = (f * f + w0 * w0) ** 0.5
         contact[i, FORCE] = 0.5 * (f + root) if f > 0.0 else 0.5 * w0 * w0 / (root - f)
         contact[i, HEIGHT] = height
         contact[i, SPEED] = speed
-        sliders.start_slider(friction, ground, length, like, contact, i)
+        sliders.start_slider(friction, own, length, like, contact, i)
 
 
 start_contacts = by_presence(_no_start, _start)  # heights, velocities and forces of all nodes at the start of a step of length h
@@ -91,7 +127,7 @@ def _never(present, ground, weight, mesh, i, contact):
 
 @kernel
 def _rests(present, ground, weight, mesh, i, contact):
-    return contact[i, FORCE] > RESTING * abs(weight) * _carried(ground, mesh, i)
+    return contact[i, FORCE] > RESTING * abs(weight) * _carried(under(ground.sections, ground, mesh, i), mesh, i)
 
 
 rests = by_presence(_never, _rests)  # whether the seabed carries a good part of what hangs on node i; `weight` is that of a metre
@@ -103,8 +139,9 @@ def _no_load(present, friction, ground, gains, mesh, i, position, v, contact):
 
 
 @kernel
-def _load(present, friction, ground, gains, mesh, i, position, v, contact):
+def _load(present, friction, whole, gains, mesh, i, position, v, contact):
     up = upward(1.0, v)
+    ground = under(whole.sections, whole, mesh, i)
     length = _carried(ground, mesh, i)
     stiffness = ground.stiffness * length
     w0 = ground.smoothing * length
@@ -139,10 +176,11 @@ def update_contacts(present, friction, ground, gains, mesh, x, like, contact):
     last = x.shape[1] - 1
     for i in range(mesh.shape[0]):
         change = contact[i, CHANGE] + contact[i, SLOPE] * x[i, last]
-        length = _carried(ground, mesh, i)
+        own = under(ground.sections, ground, mesh, i)
+        length = _carried(own, mesh, i)
         before = contact[i, FORCE]
-        contact[i, FORCE], limited = step_tension(present, ground.smoothing * length, before, change)
-        other = sliders.move_slider(friction, ground, gains, length, x, before, contact[i, FORCE], contact, i, like)
+        contact[i, FORCE], limited = step_tension(present, own.smoothing * length, before, change)
+        other = sliders.move_slider(friction, own, gains, length, x, before, contact[i, FORCE], contact, i, like)
         cut = cut or limited or other
     return cut
 
@@ -191,7 +229,8 @@ def _nothing_kept(friction, ground, mesh, h, like, contact, stretch):
 @kernel
 def _keep(friction, ground, mesh, h, like, contact, stretch):
     for i in range(stretch.shape[0]):
-        sliders.keep_slider(friction, ground, _carried(ground, mesh, i), h, contact, i, like, stretch)
+        own = under(ground.sections, ground, mesh, i)
+        sliders.keep_slider(friction, own, _carried(own, mesh, i), h, contact, i, like, stretch)
 
 
 keep_sliders = by_presence(_nothing_kept, _keep)  # the state's stretches, after an accepted step of length h

@@ -8,6 +8,8 @@ import math
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import BASE
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.seabed import under
+from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import add, axpy, dot, load, load_from, mix, sub, upward, zero
 
 
@@ -27,6 +29,19 @@ _friction = by_presence(_no_slider, _slider)
 
 
 @kernel
+def _under_node(parts, p, mesh, i):
+    """Stiffness of the seabed under a metre, N/m2, and mass of a metre, kg/m, of node i: means over the halves of its cells."""
+    up = made_of(parts.sections, p, mesh, i)
+    if i == 0:
+        return p[0].seabed.stiffness * up.diameter, up.mass_per_length
+    low = made_of(parts.sections, p, mesh, i - 1)
+    a, b = mesh[i, 1] * mesh[i, 0], (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
+    wide = up.diameter if up.diameter == low.diameter else (a * up.diameter + b * low.diameter) / (a + b)
+    mass = up.mass_per_length if up.mass_per_length == low.mass_per_length else (a * up.mass_per_length + b * low.mass_per_length) / (a + b)
+    return p[0].seabed.stiffness * wide, mass
+
+
+@kernel
 def _no_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contact, h):
     return zero(before), 0.0
 
@@ -34,10 +49,8 @@ def _no_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contac
 @kernel
 def _on_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contact, h):
     p, ground = problem.numbers, problem.ground
-    bed, cable = p[0].seabed, p[0].cable
+    bed = p[0].seabed
     n = mesh.shape[0] + 1
-    firm = bed.stiffness * cable.diameter
-    lag = max(2.0 * bed.damping_ratio * math.sqrt(cable.mass_per_length / firm), h)
     low0, low1 = before, after
     height0, height1 = load(y0, n - 1, before), load(y1, n - 1, before)  # those that the seabed feels: from where the top was brought
     force = zero(before)
@@ -47,13 +60,16 @@ def _on_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contac
         low1 = axpy(-mesh[i, 0], load(y1, i, before), low1)
         height0 = axpy(-mesh[i, 0], load(y0, i, before), height0)
         height1 = axpy(-mesh[i, 0], load(y1, i, before), height1)
-        length = mesh[i, 1] * mesh[i, 0] + (ground.body_length if i == 0 else (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0])
+        own = under(ground.sections, ground, mesh, i)
+        firm, mass = _under_node(parts, p, mesh, i)
+        lag = max(2.0 * bed.damping_ratio * math.sqrt(mass / firm), h)
+        length = mesh[i, 1] * mesh[i, 0] + (own.body_length if i == 0 else (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0])
         depth = bed.level - height1[len(before) - 1] - lag * y1[n + i, len(before) - 1]
         f = firm * length * depth
-        w0 = ground.smoothing * length
+        w0 = own.smoothing * length
         root = math.sqrt(f * f + w0 * w0)
         pushed = 0.5 * (f + root) if f > 0.0 else 0.5 * w0 * w0 / (root - f)
-        rubbed = _friction(parts.friction, ground, contact, sliders, i, length, h, before)
+        rubbed = _friction(parts.friction, own, contact, sliders, i, length, h, before)
         if i > 0 or parts.anchor is None:
             force = add(force, add(rubbed, upward(pushed, before)))
         work += pushed * (height1[len(before) - 1] - height0[len(before) - 1]) + dot(rubbed, sub(low1, low0))

@@ -13,6 +13,7 @@ fourth-order dispersion on smooth meshes.
 """
 
 from cable_model.kernels.block_elimination import clear_outer, identity_row
+from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
@@ -81,7 +82,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     the slack damping, the shortfall.
     contact (n, .): the table of seabed.py, likewise.
     """
-    cable, medium, body, numeric, ground = problem.cable, problem.medium, problem.body, problem.numeric, problem.ground
+    body, ground = problem.body, problem.ground
     n = v.shape[0]
     position = top
     like = top
@@ -93,6 +94,8 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     for i in range(n - 2, lowest - 1, -1):
         h = mesh[i, 0]
         split = mesh[i, 1]
+        made = of_cell(parts.sections, parts, problem, mesh, i)
+        cable, medium, numeric = made.cable, made.medium, made.numeric
         qi = load(q, i, like)
         v_low = load(v, i, like)
         a_low = load(a, i, like)
@@ -151,14 +154,14 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_from(cells, i, 3 + len(like), along)
         v_up = v_low
         a_up = a_low
-    end_r, end_d = lower_end_terms(parts.body, parts, body, cable, gains, position, v_up, a_up, time)
+    end_r, end_d = lower_end_terms(parts.body, parts, body, problem.cable, gains, position, v_up, a_up, time)
     store_matrix(bands, 2, lowest, add_matrix(carry_d, end_d))
     store_matrix(bands, 1, lowest, diagonal(0.0, like))
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
     store(x, lowest, scale(-1.0, add(carry_r, end_r)))
-    x[lowest, 0] += numeric.pull
-    _add_outflow(parts.winch, gains, cable, load(q, n - 2, like), x, n - 1)
-    _add_bending(parts.bending, numeric.bending, gains, mesh, q, lowest, bands, x, like)
+    x[lowest, 0] += problem.numeric.pull
+    _add_outflow(parts.winch, gains, problem.cable, load(q, n - 2, like), x, n - 1)
+    _add_bending(parts.bending, parts, problem, gains, mesh, q, lowest, bands, x, like)
 
 
 @kernel
@@ -187,7 +190,7 @@ def add_seabed(present, parts, ground, gains, mesh, i, position, v, q, arc, cont
 
 
 @kernel
-def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
+def _add_bending(bending, parts, problem, gains, mesh, q, lowest, bands, x, like):
     """Shear from the bending energy EI |q_(i+1) - q_i|^2/(2 h_node) of every inner node; ends carry no moment.
 
     The curvature is that of the positions by unstretched length: a quadratic energy, so its force is linear and a slack cell
@@ -199,7 +202,7 @@ def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
     clear_outer(bending, bands, n)
     for j in range(lowest + 1, n - 1):  # inner node j between cells j-1 (low) and j (up)
         low = j - 1
-        kappa = stiffness / ((1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[j, 1] * mesh[j, 0])
+        kappa = turn_stiffness(parts.sections, parts, problem, mesh, j)
         below = 1.0 / mesh[low, 0]
         above = 1.0 / mesh[j, 0]
         middle = -below - above
@@ -221,7 +224,7 @@ def _add_bending(bending, stiffness, gains, mesh, q, lowest, bands, x, like):
 
 
 @kernel
-def bent(bending, stiffness, mesh, q, i, like):
+def bent(bending, parts, problem, mesh, q, i, like):
     """What bending adds to the axial force of cell i, t.g/h, N: N = T + EI kappa^2 in the limit of small cells."""
     if bending is None:
         return 0.0
@@ -230,8 +233,7 @@ def bent(bending, stiffness, mesh, q, i, like):
     for j in (i, i + 1):  # the inner nodes below and above the cell
         if 0 < j < mesh.shape[0]:
             other = load(q, 2 * j - 1 - i, like)
-            between = (1.0 - mesh[j - 1, 1]) * mesh[j - 1, 0] + mesh[j, 1] * mesh[j, 0]
-            gradient = axpy(stiffness / between, sub(middle, other), gradient)
+            gradient = axpy(turn_stiffness(parts.sections, parts, problem, mesh, j), sub(middle, other), gradient)
     return dot(gradient, middle) / (norm(middle) * mesh[i, 0])
 
 

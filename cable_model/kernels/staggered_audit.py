@@ -7,9 +7,11 @@ Cable, body and water are as in staggered.py, and nothing here is linearized or 
 
 import math
 
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.fluid import water_motion
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import elastic, floor, width
 from cable_model.kernels.surface import Share, cell_share, centre, level_over, share
 from cable_model.kernels.vector import add, axpy, dot, load, mix, norm, scale, sub, upward, zero
@@ -29,7 +31,7 @@ def mass_of_body(body, p):
 def stored(parts, problem, mesh, y, top):
     """Kinetic, potential and elastic (strain and bending) energy of cable and body in y (2n, D) under the top, J."""
     p = problem.numbers
-    m, gravity = p[0].cable.mass_per_length, p[0].environment.gravity
+    gravity = p[0].environment.gravity
     n = mesh.shape[0] + 1
     kinetic = 0.0
     potential = 0.0
@@ -38,6 +40,7 @@ def stored(parts, problem, mesh, y, top):
     v_up = load(y, 2 * n - 1, top)
     for i in range(n - 2, -1, -1):
         h, split = mesh[i, 0], mesh[i, 1]
+        m = made_of(parts.sections, p, mesh, i).mass_per_length
         q = load(y, i, top)
         v = load(y, n + i, top)
         upper = at[len(at) - 1]
@@ -45,39 +48,45 @@ def stored(parts, problem, mesh, y, top):
         squares = (split - COUPLED) * dot(v, v) + 2.0 * COUPLED * dot(v, v_up) + (1.0 - split - COUPLED) * dot(v_up, v_up)
         kinetic += 0.5 * m * h * squares
         potential += m * gravity * h * (split * at[len(at) - 1] + (1.0 - split) * upper)
-        strained += h * _strain_energy(parts, problem, h, norm(q) - 1.0)
+        strained += h * _strain_energy(parts, problem, mesh, i, norm(q) - 1.0)
         v_up = v
     mass = mass_of_body(parts.body, p)
     kinetic += 0.5 * mass * dot(v_up, v_up)
     potential += mass * gravity * at[len(at) - 1]
-    return kinetic, potential, strained + _bending_energy(parts.bending, p, mesh, y, top)
+    return kinetic, potential, strained + _bending_energy(parts.bending, parts, p, mesh, y, top)
 
 
 @kernel
-def _bending_energy(bending, p, mesh, y, like):
+def _bending_energy(bending, parts, p, mesh, y, like):
     if bending is None:
         return 0.0
     energy = 0.0
     for i in range(1, mesh.shape[0]):
         turn = sub(load(y, i, like), load(y, i - 1, like))
-        energy += 0.5 * p[0].cable.bending_stiffness * dot(turn, turn) / _between(mesh, i)
+        energy += 0.5 * _turn_stiffness(parts, p, mesh, i) * dot(turn, turn)
     return energy
 
 
 @kernel
-def _between(mesh, i):
-    """Length between the middles of the cells below and above node i."""
-    return (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0] + mesh[i, 1] * mesh[i, 0]
+def _turn_stiffness(parts, p, mesh, i):
+    """Moment over the turn at node i, N m: the flexibilities of the half cells below and above it, as springs in series."""
+    low, up = made_of(parts.sections, p, mesh, i - 1).bending_stiffness, made_of(parts.sections, p, mesh, i).bending_stiffness
+    if low == up:
+        return low / ((1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0] + mesh[i, 1] * mesh[i, 0])
+    if low == 0.0 or up == 0.0:
+        return 0.0
+    return 1.0 / ((1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0] / low + mesh[i, 1] * mesh[i, 0] / up)
 
 
 @kernel
-def _strain_energy(parts, problem, h, strain):
-    """Integral of the tension at rest over the strain, J/m."""
-    stiffness, more = _above_linear(parts.curve, parts, problem.numbers[0].cable.axial_stiffness, strain)
+def _strain_energy(parts, problem, mesh, i, strain):
+    """Integral of the tension at rest over the strain, J/m, of cell i."""
+    h, numeric = mesh[i, 0], of_cell(parts.sections, parts, problem, mesh, i).numeric
+    stiffness, more = _above_linear(parts.curve, parts, made_of(parts.sections, problem.numbers, mesh, i).axial_stiffness, strain)
     if parts.slack is None:
         return 0.5 * stiffness * strain * strain + more
-    held = floor(parts, problem.numeric, h)
-    w0 = max(width(problem.numeric, h), 1e-300)
+    held = floor(parts, numeric, h)
+    w0 = max(width(numeric, h), 1e-300)
     f = stiffness * strain + held
     root = math.sqrt(f * f + w0 * w0)
     logarithm = math.log((abs(f) + root) / w0)
@@ -112,16 +121,17 @@ def _above_linear(curve, parts, stiffness, strain):
 @kernel
 def taken_by_damping(parts, problem, mesh, y0, y1, fading, h, like):
     """What axial damping takes in a step of h, J; `fading` (n-1): the share at which the slack damping acted, the step's own."""
-    cable, numeric = problem.numbers[0].cable, problem.numeric
+    p = problem.numbers
     taken = 0.0
     for i in range(mesh.shape[0]):
+        numeric = of_cell(parts.sections, parts, problem, mesh, i).numeric
         before, after = norm(load(y0, i, like)), norm(load(y1, i, like))
-        at_rest, _ = elastic(parts.curve, cable.axial_stiffness, 0.5 * (before + after) - 1.0)
+        at_rest, _ = elastic(parts.curve, made_of(parts.sections, p, mesh, i).axial_stiffness, 0.5 * (before + after) - 1.0)
         at_rest += floor(parts, numeric, mesh[i, 0])
         rate = (after - before) / h
         moving = at_rest + (numeric.voigt + numeric.damping * mesh[i, 0] * fading[i]) * rate
         if parts.quadratic_damping is not None:
-            moving += cable.quadratic_damping * abs(rate) * rate
+            moving += p[0].cable.quadratic_damping * abs(rate) * rate
         more = moving - at_rest
         if parts.slack is not None:
             w0 = width(numeric, mesh[i, 0])
@@ -134,13 +144,13 @@ def taken_by_damping(parts, problem, mesh, y0, y1, fading, h, like):
 def change_of_momentum(parts, problem, mesh, y0, y1, like):
     """Change of the momentum of cable and body, kg m/s, and the weight of what counts, N: all, but for an anchor what moves with node 0."""
     p = problem.numbers
-    m = p[0].cable.mass_per_length
     n = mesh.shape[0] + 1
     change = zero(like)
     mass = mass_of_body(parts.body, p)
     up = sub(load(y1, 2 * n - 1, like), load(y0, 2 * n - 1, like))
     for i in range(n - 2, -1, -1):
         h, split = mesh[i, 0], mesh[i, 1]
+        m = made_of(parts.sections, p, mesh, i).mass_per_length
         low = sub(load(y1, n + i, like), load(y0, n + i, like))
         if i > 0 or parts.anchor is None:
             mass += m * h
@@ -162,7 +172,7 @@ def pull_of_anchor(anchor, parts, problem, mesh, y0, y1, tension, like):
     pull = scale(-tension / norm(q), q)
     if parts.bending is not None:
         above = mix(0.5, load(y0, 1, like), 0.5, load(y1, 1, like))
-        stiff = problem.numbers[0].cable.bending_stiffness / (_between(mesh, 1) * mesh[0, 0])
+        stiff = _turn_stiffness(parts, problem.numbers, mesh, 1) / mesh[0, 0]
         pull = axpy(stiff, sub(above, q), pull)
     return pull
 
@@ -190,13 +200,13 @@ _wet_share = by_presence(_all_wet, _cut_by_surface)  # of a cell between two pla
 
 
 @kernel
-def _dry_cell(water, parts, p, h, split, q, low, up, v_low, v_up, a_low, a_up, time):
+def _dry_cell(water, parts, p, cable, h, split, q, low, up, v_low, v_up, a_low, a_up, time):
     return zero(q), zero(q)
 
 
 @kernel
-def _wet_cell(water, parts, p, h, split, q, low, up, v_low, v_up, a_low, a_up, time):
-    cable, density = p[0].cable, p[0].water.density
+def _wet_cell(water, parts, p, cable, h, split, q, low, up, v_low, v_up, a_low, a_up, time):
+    density = p[0].water.density
     section = 0.25 * math.pi * cable.diameter * cable.diameter
     displaced = density * (cable.volume_per_length if cable.volume_per_length >= 0.0 else section)
     added = density * section * cable.added_mass_coefficient
@@ -269,7 +279,8 @@ def water_in_step(parts, problem, mesh, y0, y1, before, after, h, time):
         q = scale(1.0 / mesh[i, 0], sub(up, low))
         v_low = mix(0.5, load(y0, n + i, before), 0.5, load(y1, n + i, before))
         a_low = scale(1.0 / h, sub(load(y1, n + i, before), load(y0, n + i, before)))
-        on_low, on_up = _on_cell(parts.water, parts, p, mesh[i, 0], mesh[i, 1], q, low, up, v_low, v_up, a_low, a_up, time)
+        cable = made_of(parts.sections, p, mesh, i)
+        on_low, on_up = _on_cell(parts.water, parts, p, cable, mesh[i, 0], mesh[i, 1], q, low, up, v_low, v_up, a_low, a_up, time)
         force = add(force, on_up)
         if i > 0 or parts.anchor is None:
             force = add(force, on_low)

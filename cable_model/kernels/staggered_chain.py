@@ -1,12 +1,12 @@
 """Starting rates and outputs of the chain on the staggered grid, and where its nodes are."""
 
 from cable_model.kernels import header
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.mesh import fill
 from cable_model.kernels.path import Ends
-from cable_model.kernels.problem import body_weight
 from cable_model.kernels.seabed import under_body
 from cable_model.kernels.slack import floor, limited, width
 from cable_model.kernels.staggered import add_seabed, assemble, bent
@@ -24,8 +24,8 @@ def grading_of(anchor, grading):
 
 
 @kernel
-def place_nodes(anchor, problem, grading, mesh):
-    fill_mesh(mesh, grading_of(anchor, grading), problem.cable.length, body_weight(problem.body), problem.cable.weight)
+def place_nodes(anchor, parts, problem, grading, mesh):
+    fill(parts.sections, parts, problem, grading_of(anchor, grading), mesh)
 
 
 @kernel
@@ -53,7 +53,7 @@ def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top
     contraction[0] = 0.0
     if status < 0:
         return header.NOT_FINITE
-    keep_tensions(parts, problem.numeric, mesh, force, s)
+    keep_tensions(parts, problem, mesh, force, s)
     for i in range(2 * n):
         store(yd, i, load(yd1, i, top))
     return header.OK
@@ -66,20 +66,22 @@ def tensions_now(parts, problem, mesh, y, force, force_old, ahead, top, cells):
     They come from the momentum balance: on a stiff cable the strain times EA would carry Newton's tolerance times EA.
     """
     for i in range(force.shape[0]):
-        held = floor(parts, problem.numeric, mesh[i, 0])
+        numeric = of_cell(parts.sections, parts, problem, mesh, i).numeric
+        held = floor(parts, numeric, mesh[i, 0])
         cells[i, 0] = force[i] + ahead * (force[i] - force_old[i]) + held
         if parts.slack is not None:
             least = held if force[i] > 0.0 else 0.0  # a cell that loses its tension within a step is not led on to push
-            cells[i, 0] = max(cells[i, 0], least + 1e-9 * width(problem.numeric, mesh[i, 0]))
+            cells[i, 0] = max(cells[i, 0], least + 1e-9 * width(numeric, mesh[i, 0]))
         q = load(y, i, top)
         cells[i, 2] = norm(q)
         store_from(cells, i, 3, scale(1.0 / cells[i, 2], q))
 
 
 @kernel
-def axial_force(parts, numeric, mesh, y, i, like, s):
+def axial_force(parts, problem, mesh, y, i, like, s):
     """N of cell i: its tension and what bending adds; cells[:, 0] holds the tensions T + T_c."""
-    return s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]) + bent(parts.bending, numeric.bending, mesh, y, i, like)
+    held = floor(parts, of_cell(parts.sections, parts, problem, mesh, i).numeric, mesh[i, 0])
+    return s.cells[i, 0] - held + bent(parts.bending, parts, problem, mesh, y, i, like)
 
 
 @kernel
@@ -96,10 +98,10 @@ def _led_on(mesh, y, last, before, like):
 
 
 @kernel
-def node_tension(parts, numeric, mesh, y, i, like, s):
+def node_tension(parts, problem, mesh, y, i, like, s):
     """N of inner node i, on the line between the splits of its cells, where their tensions are those of what hangs below."""
     low, up = (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0], mesh[i, 1] * mesh[i, 0]
-    below, above = axial_force(parts, numeric, mesh, y, i - 1, like, s), axial_force(parts, numeric, mesh, y, i, like, s)
+    below, above = axial_force(parts, problem, mesh, y, i - 1, like, s), axial_force(parts, problem, mesh, y, i, like, s)
     return (below * up + above * low) / (low + up)
 
 
@@ -175,8 +177,9 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, t, positio
         if parts.anchor is None:
             return 0.0
         h, split = mesh[0, 0], mesh[0, 1]
-        weight = lower_weight(parts.surface, parts, problem.medium, problem.cable, h, split, q, position, time)
-        return axial_force(parts, problem.numeric, mesh, y, 0, position, s) * dot(unit(q), t) - weight * t[len(t) - 1]
+        own = of_cell(parts.sections, parts, problem, mesh, 0)
+        weight = lower_weight(parts.surface, parts, own.medium, own.cable, h, split, q, position, time)
+        return axial_force(parts, problem, mesh, y, 0, position, s) * dot(unit(q), t) - weight * t[len(t) - 1]
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
@@ -205,4 +208,7 @@ def end_tensions(parts, problem, mesh, y, acceleration, forces, tangents, positi
         parts.driven, parts, problem, mesh, y, acceleration, forces.lower, tangents.lower, position, winding, time, s
     )  # fmt: skip
     top = 0.0 - dot(forces.top, tangents.top)
-    return Ends(limited(parts, problem.numeric, mesh[mesh.shape[0] - 1, 0], top), limited(parts, problem.numeric, mesh[0, 0], lower))
+    last = mesh.shape[0] - 1
+    at_top = of_cell(parts.sections, parts, problem, mesh, last).numeric
+    at_lower = of_cell(parts.sections, parts, problem, mesh, 0).numeric
+    return Ends(limited(parts, at_top, mesh[last, 0], top), limited(parts, at_lower, mesh[0, 0], lower))

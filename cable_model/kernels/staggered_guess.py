@@ -2,8 +2,9 @@
 
 import math
 
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.mesh import fill
 from cable_model.kernels.problem import body_weight
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
 
@@ -11,10 +12,10 @@ OPEN = 0.1  # of the length: two held ends nearer to one another across than tha
 
 
 @kernel
-def rest(anchor, problem, scale_force, mesh, y, yd, force, top):
+def rest(anchor, parts, problem, scale_force, mesh, y, yd, force, top):
     """The first guess of cell vectors and tensions, at rest."""
     n = mesh.shape[0] + 1
-    _catenary(anchor, problem, scale_force, mesh, y, force, top)
+    _catenary(anchor, parts, problem, scale_force, mesh, y, force, top)
     _stop(n, y, top)
     for i in range(2 * n):
         store(yd, i, zero(top))
@@ -28,7 +29,7 @@ def _stop(n, y, top):
 
 
 @kernel
-def refine(problem, grading, cells, nodes, mesh, y, force, y1, yd1, top):
+def refine(parts, problem, grading, cells, nodes, mesh, y, force, y1, yd1, top):
     """Take shape and tensions of the `cells` of a mesh to the finer mesh of `nodes`; y1 and yd1 are overwritten.
 
     A new cell has the means over its length, so that the ends stay where they are.
@@ -38,7 +39,7 @@ def refine(problem, grading, cells, nodes, mesh, y, force, y1, yd1, top):
         yd1[i, 0] = force[i]
         yd1[i, 1] = mesh[i, 0]
     fine = mesh[: nodes - 1]
-    fill_mesh(fine, grading, problem.cable.length, body_weight(problem.body), problem.cable.weight)
+    fill(parts.sections, parts, problem, grading, fine)
     j = 0
     rest_of = yd1[0, 1]  # of the old cell j that no new cell has yet
     for i in range(nodes - 1):
@@ -60,7 +61,7 @@ def refine(problem, grading, cells, nodes, mesh, y, force, y1, yd1, top):
 
 
 @kernel
-def _catenary(anchor, problem, scale_force, mesh, y, force, top):
+def _catenary(anchor, parts, problem, scale_force, mesh, y, force, top):
     """The catenary under weight and pull alone, cell by cell; between two held ends a V of two straight legs."""
     n = mesh.shape[0] + 1
     pull = problem.numeric.pull
@@ -68,13 +69,14 @@ def _catenary(anchor, problem, scale_force, mesh, y, force, top):
     total = load_below + problem.cable.weight * problem.cable.length
     sign = 1.0 if total >= 0.0 else -1.0
     for i in range(n - 1):
-        hanging = load_below + problem.cable.weight * mesh[i, 1] * mesh[i, 0]
-        load_below += problem.cable.weight * mesh[i, 0]
+        own = of_cell(parts.sections, parts, problem, mesh, i).cable
+        hanging = load_below + own.weight * mesh[i, 1] * mesh[i, 0]
+        load_below += own.weight * mesh[i, 0]
         if sign * hanging < 0.0:
             hanging = 0.0
         size = math.sqrt(hanging * hanging + pull * pull)
         force[i] = max(size, 1e-3 * scale_force)
-        stretch = 1.0 + size / problem.cable.stiffness
+        stretch = 1.0 + size / own.stiffness
         if size > 0.0:
             store(y, i, along_x(-pull * stretch / size, upward(hanging * stretch / size, top)))
         else:

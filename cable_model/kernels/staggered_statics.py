@@ -7,9 +7,9 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.easing import BLUNT, LEAST_BLUNT, eased
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.mesh import fill_mesh
+from cable_model.kernels.mesh import fewest_nodes, fill
 from cable_model.kernels.path import Ends
-from cable_model.kernels.problem import body_mass, body_weight, total_weight
+from cable_model.kernels.problem import body_mass, total_weight
 from cable_model.kernels.seabed import lay_out
 from cable_model.kernels.staggered_chain import unwound
 from cable_model.kernels.staggered_guess import refine, rest
@@ -42,7 +42,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
     mass = problem.cable.mass * problem.cable.length + body_mass(problem.body)
-    rest(anchor, problem, weight, mesh, y, yd, force, top)
+    rest(anchor, parts, problem, weight, mesh, y, yd, force, top)
     lay_out(parts.friction, problem.ground, mesh, anchor, top, s.contact)
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))
     step = 0.03 * period
@@ -60,9 +60,9 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
             easing = True
             ease = 1.0
             step = period
-            nodes = min(n, COARSE)
-            fill_mesh(mesh[: nodes - 1], grading, problem.cable.length, body_weight(problem.body), problem.cable.weight)
-            rest(anchor, problem, weight, mesh[: nodes - 1], y, yd, force, top)
+            nodes = min(n, max(COARSE, fewest_nodes(parts.sections)))
+            fill(parts.sections, parts, problem, grading, mesh[: nodes - 1])
+            rest(anchor, parts, problem, weight, mesh[: nodes - 1], y, yd, force, top)
             _lay_again(parts, problem, mesh[: nodes - 1], anchor, top, s)
             stiff = _first_bending(parts.bending, weight, problem, nodes - 1)
         now = cut_scratch(s.whole, nodes, top)
@@ -80,7 +80,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
             if stuck and easing:
                 return header.NO_EQUILIBRIUM
             continue
-        keep_tensions(parts, to_place.numeric, mesh[: nodes - 1], force[: nodes - 1], now)
+        keep_tensions(parts, to_place, mesh[: nodes - 1], force[: nodes - 1], now)
         for i in range(nodes - 1):
             store(y, i, load(y1, i, top))
         settled = step >= SETTLED * period and status <= FEW_ITERATIONS
@@ -102,7 +102,7 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
                     return header.NO_EQUILIBRIUM
                 stuck = True
                 continue
-            refine(problem, grading, nodes - 1, min(2 * nodes - 1, n), mesh, y, force, y1, yd1, top)
+            refine(parts, problem, grading, nodes - 1, min(2 * nodes - 1, n), mesh, y, force, y1, yd1, top)
             nodes = min(2 * nodes - 1, n)
             _lay_again(parts, problem, mesh[: nodes - 1], anchor, top, s)
             step = period

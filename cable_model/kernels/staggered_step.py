@@ -7,6 +7,7 @@ rows n ... 2n-1 the node velocities.  Every public function has a twin of the sa
 from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.problem import body_mass
@@ -22,41 +23,6 @@ DIVERGED = -1
 NOT_CONVERGED = -2
 FELT_TIME = 0.1  # of sqrt(L/g): vibrations much faster than this do not count as errors
 SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in slack
-
-
-class Numeric(NamedTuple):
-    """Constants of a run that are neither cable nor water."""
-
-    smoothing: float  # largest w0 of the slack law, N; see slack.width
-    hung: float  # weight of the body, N
-    own: float  # weight of the cable, N/m
-    damping: float  # slack law: axial damping per cell length, zeta sqrt(EA m), N s/m
-    voigt: float  # material axial damping, N s
-    bending: float  # EI, N m2
-    pull: float  # horizontal force on the lower end, N
-    tolerance: float  # of the Newton iteration on velocities, m/s
-    rounding: float  # changes of velocities that may be rounding errors, m/s
-    blunt: float = 0.0  # of a cell: sqrt(q^2 + blunt^2) is its stretch, so that one that vanishes keeps a direction; 0 but in statics
-    turn: float = 0.0  # largest change of a cell vector within an iteration; 0: any
-
-
-class Problem(NamedTuple):
-    """What moves: see the parts of problem.py."""
-
-    cable: object
-    medium: object
-    body: object
-    numeric: object
-    ground: object  # the seabed
-    numbers: object  # the record of all numbers, for effects that need no more than their own
-
-
-@kernel
-def with_tolerance(problem, tolerance, rounding):
-    """The same problem with other limits of Newton's method, m/s."""
-    old = problem.numeric
-    numeric = Numeric(old.smoothing, old.hung, old.own, old.damping, old.voigt, old.bending, old.pull, tolerance, rounding, 0.0, 0.0)
-    return Problem(problem.cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
 
 
 class Winding(NamedTuple):
@@ -144,9 +110,9 @@ def newton_step(parts, problem, mesh, y0, yd0, ydd, c, time, h, top, ends, windi
     store(y1, 2 * n - 1, ends.top)
     hold_anchor(parts.anchor, y1, n, ends.lower)
     for i in range(n - 1):
-        s.cells[i, 0] = _ahead(parts.slack, force[i] + floor(parts, problem.numeric, mesh[i, 0]), reach * (force[i] - force_old[i]))
+        s.cells[i, 0] = _ahead(parts.slack, force[i] + _floor(parts, problem, mesh, i), reach * (force[i] - force_old[i]))
         s.length[i] = norm(load(y0, i, like))
-    _fade(parts, problem.numeric, mesh, s)
+    _fade(parts, problem, mesh, s)
     _forget_slack(parts.slack, parts, problem, mesh, c.alpha_k, s)
     top = _integrated_top(parts, y0, yd0, y1, c, h, rate_old, rate_new, top)
     start_contacts(parts.seabed, parts.friction, problem.ground, mesh, y0, n - 1, h, like, s.contact)
@@ -166,7 +132,7 @@ def newton_step(parts, problem, mesh, y0, yd0, ydd, c, time, h, top, ends, windi
                     change = abs(dv)
         if not change < 1e12:
             return DIVERGED
-        cut = _update_tensions(parts.slack, problem.numeric, mesh, s.cells)
+        cut = _update_tensions(parts.slack, parts, problem, mesh, s.cells)
         cut = update_contacts(parts.seabed, parts.friction, problem.ground, gains, mesh, s.x, like, s.contact) or cut
         if has_converged(iteration, change, previous, problem.numeric, contraction) and not cut and not shortened:
             _finish(mesh, y0, yd0, y1, yd1, c, h, rate_old, rate_new, to_rate, back, like)
@@ -203,10 +169,17 @@ def _ahead(slack, tension, rise):
 
 
 @kernel
-def _fade(parts, numeric, mesh, s):
+def _floor(parts, problem, mesh, i):
+    """slack.floor of cell i."""
+    return floor(parts, of_cell(parts.sections, parts, problem, mesh, i).numeric, mesh[i, 0])
+
+
+@kernel
+def _fade(parts, problem, mesh, s):
     """Shares of the slack damping at the tensions that are foretold."""
-    below = numeric.hung
+    below = problem.numeric.hung
     for i in range(mesh.shape[0]):
+        numeric = of_cell(parts.sections, parts, problem, mesh, i).numeric
         below += numeric.own * mesh[i, 0]
         s.cells[i, FADING] = fading(parts.slack, s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]), below)
 
@@ -221,16 +194,18 @@ def _forget_slack(slack, parts, problem, mesh, alpha_k, s):
         return
     last = s.cells.shape[1] - 1
     for i in range(mesh.shape[0]):
-        lost = floor(parts, problem.numeric, mesh[i, 0]) + SLACK_MARGIN * width(problem.numeric, mesh[i, 0])
-        least = 1.0 - lost / problem.cable.stiffness
+        own = of_cell(parts.sections, parts, problem, mesh, i)
+        lost = floor(parts, own.numeric, mesh[i, 0]) + SLACK_MARGIN * width(own.numeric, mesh[i, 0])
+        least = 1.0 - lost / own.cable.stiffness
         s.cells[i, last] = alpha_k * max(least - s.length[i], 0.0)
 
 
 @kernel
-def _update_tensions(slack, numeric, mesh, cells):
+def _update_tensions(slack, parts, problem, mesh, cells):
     cut = False
     for i in range(mesh.shape[0]):
-        cells[i, 0], limited = step_tension(slack, width(numeric, mesh[i, 0]), cells[i, 0], cells[i, 1])
+        w0 = width(of_cell(parts.sections, parts, problem, mesh, i).numeric, mesh[i, 0])
+        cells[i, 0], limited = step_tension(slack, w0, cells[i, 0], cells[i, 1])
         cut = cut or limited
     return cut
 
@@ -314,10 +289,10 @@ def change_length(mesh, y, yd, ydd, factor):
 
 
 @kernel
-def keep_tensions(parts, numeric, mesh, force, s):
+def keep_tensions(parts, problem, mesh, force, s):
     """Take over the tensions T that the last Newton iteration found."""
     for i in range(force.shape[0]):
-        force[i] = s.cells[i, 0] - floor(parts, numeric, mesh[i, 0])
+        force[i] = s.cells[i, 0] - _floor(parts, problem, mesh, i)
 
 
 @kernel
@@ -345,29 +320,29 @@ def rate_error(parts, problem, mesh, y0, yd0, y1, yd1, ydd, c, time, h, reach, t
     moving = 0.0
     for i in range(n - 1):
         now = load(s.a, i, like)
-        faster += _mass(problem, mesh, i) * dot(now, now)
+        faster += _mass(parts, problem, mesh, i) * dot(now, now)
         now = load(s.v, i, like)
-        moving += _mass(problem, mesh, i) * dot(now, now)
+        moving += _mass(parts, problem, mesh, i) * dot(now, now)
         s.cells[i, 1] = 0.0
-    _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like)
+    _missed_momentum(parts, problem, gains, mesh, yd0, yd1, ydd, reach, s, like)
     for i in range(n - 1):
-        if rests(parts.seabed, problem.ground, problem.cable.weight, mesh, i, s.contact):
+        if _rests(parts, problem, mesh, i, s):
             store(s.x, i, zero(like))
     prescribe_ends(parts, s.bands, s.x, n, like)
     solve(parts.bending, parts.anchor, s.bands, s.x, s.cells, n, like)
     total = 0.0
     summed = 0.0
     for i in range(n - 1):
-        mass = _mass(problem, mesh, i)
+        mass = _mass(parts, problem, mesh, i)
         felt = load(s.x, i, like)
         total += mass
-        if not rests(parts.seabed, problem.ground, problem.cable.weight, mesh, i, s.contact):
+        if not _rests(parts, problem, mesh, i, s):
             summed += mass * dot(felt, felt)
     return (summed / total) ** 0.5, min((faster / total) ** 0.5, (moving / total) ** 0.5 / period)
 
 
 @kernel
-def _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like):
+def _missed_momentum(parts, problem, gains, mesh, yd0, yd1, ydd, reach, s, like):
     """What the accelerations differ from their extrapolation by, times the mass as the inertia is shared, into s.x."""
     n = mesh.shape[0] + 1
     for i in range(n):
@@ -375,7 +350,7 @@ def _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like):
         store(s.x, i, zero(like))
     store(s.x, 0, scale(gains.a * body_mass(problem.body), load(s.v, 0, like)))
     for i in range(n - 1):
-        share = gains.a * problem.cable.mass * mesh[i, 0]
+        share = gains.a * _mass_per_length(parts, problem, mesh, i) * mesh[i, 0]
         low = load(s.v, i, like)
         up = load(s.v, i + 1, like)
         store(s.x, i, axpy(share, mix(mesh[i, 1] - SHARE, low, SHARE, up), load(s.x, i, like)))
@@ -383,8 +358,20 @@ def _missed_momentum(problem, gains, mesh, yd0, yd1, ydd, reach, s, like):
 
 
 @kernel
-def _mass(problem, mesh, i):
+def _rests(parts, problem, mesh, i, s):
+    return rests(parts.seabed, problem.ground, of_cell(parts.sections, parts, problem, mesh, i).cable.weight, mesh, i, s.contact)
+
+
+@kernel
+def _mass_per_length(parts, problem, mesh, i):
+    return of_cell(parts.sections, parts, problem, mesh, i).cable.mass
+
+
+@kernel
+def _mass(parts, problem, mesh, i):
     """Mass of cable, and at the lower end of the body, that node i carries."""
+    above = _mass_per_length(parts, problem, mesh, i)
     if i == 0:
-        return problem.cable.mass * mesh[0, 1] * mesh[0, 0] + body_mass(problem.body)
-    return problem.cable.mass * (mesh[i, 1] * mesh[i, 0] + (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0])
+        return above * mesh[0, 1] * mesh[0, 0] + body_mass(problem.body)
+    below = _mass_per_length(parts, problem, mesh, i - 1)
+    return above * mesh[i, 1] * mesh[i, 0] + below * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]

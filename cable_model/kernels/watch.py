@@ -12,6 +12,7 @@ from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
+from cable_model.kernels.sections import softest
 from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
@@ -295,8 +296,9 @@ def watch_outputs(parts, p, state, outputs):
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
         note(state, BELOW, lower_z, -depth)
-    if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * p[0].cable.axial_stiffness:
-        note(state, STRAIN, outputs[12] / p[0].cable.axial_stiffness, outputs[12])
+    soft = softest(parts.sections, p)
+    if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * soft:
+        note(state, STRAIN, outputs[12] / soft, outputs[12])
 
 
 @kernel

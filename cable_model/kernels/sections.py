@@ -1,0 +1,77 @@
+"""What a cable is made of along its length: the same everywhere, or by sections.
+
+parts.sections is a table, a row a section from the lower end up: its length, then what Made has.  A mesh then has a third column, SECTION:
+the row of the section that a cell belongs to; nodes lie on all joints.  The record of a cable's numbers has the names of Made too, and what
+is made alike everywhere is that record: a cable without sections costs nothing more.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.jit import kernel
+
+LENGTH, MASS, STIFFNESS, AREA = 0, 2, 3, 9  # columns of the table
+SECTION = 2  # column of the mesh
+
+
+class Made(NamedTuple):
+    """What a section is made of, by the names of a cable's numbers, in the order of the table."""
+
+    diameter: float
+    mass_per_length: float
+    axial_stiffness: float
+    bending_stiffness: float
+    axial_damping: float
+    normal_drag_coefficient: float
+    tangential_drag_coefficient: float
+    added_mass_coefficient: float
+    volume_per_length: float  # never "that of the diameter" here
+
+
+@kernel
+def row_of(sections, k):
+    """What section k is made of."""
+    return Made(
+        sections[k, 1], sections[k, 2], sections[k, 3], sections[k, 4], sections[k, 5], sections[k, 6], sections[k, 7], sections[k, 8],
+        sections[k, 9],
+    )  # fmt: skip
+
+
+@kernel
+def _alike(sections, p, mesh, i):
+    return p[0].cable
+
+
+@kernel
+def _by_section(sections, p, mesh, i):
+    return row_of(sections, int(mesh[i, SECTION]))
+
+
+made_of = by_presence(_alike, _by_section)  # what cell i is made of
+
+
+@kernel
+def mesh_columns(sections):
+    if sections is None:
+        return 2
+    return 3
+
+
+@kernel
+def sizes_of_weights(sections, density, gravity):
+    """Sum of the sizes of the weights of all sections in water of a density, N."""
+    total = 0.0
+    for k in range(sections.shape[0]):
+        total += abs(sections[k, MASS] - density * sections[k, AREA]) * gravity * sections[k, LENGTH]
+    return total
+
+
+@kernel
+def softest(sections, p):
+    """The least axial stiffness along the cable, N."""
+    if sections is None:
+        return p[0].cable.axial_stiffness
+    least = sections[0, STIFFNESS]
+    for k in range(1, sections.shape[0]):
+        least = min(least, sections[k, STIFFNESS])
+    return least

@@ -1,0 +1,87 @@
+"""A cable of sections in a scene: what sections take from [cable], and what the cable is on the whole, which scales and rules read."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cable_model.errors import ParameterError, refuse
+from cable_model.parameters import Cable, Section
+from cable_model.quantity import build
+
+SHARED = tuple(field.name for field in dataclasses.fields(Section) if field.name != "length")
+CLOSE = 1e-9  # of a value: what it may differ by from that of the sections, which is summed
+LEAST_CELLS = 2  # of a section
+
+
+def whole(sections: Sequence[Section]) -> dict[str, float]:
+    """What a cable of these sections is on the whole, by the names of Section.
+
+    Mass, weight, volume, drag and added mass per length are means, the stiffness stretches as all sections do in series; of diameter,
+    bending and damping it has the largest.
+    """
+    lengths = np.array([section.length for section in sections])
+    length = float(lengths.sum())
+
+    def mean(values: Sequence[float]) -> float:
+        return float(lengths @ values) / length
+
+    diameter = max(section.diameter for section in sections)
+    wide = np.array([section.diameter / diameter if diameter > 0.0 else 0.0 for section in sections])
+    return {
+        "length": length,
+        "mass_per_length": mean([section.mass_per_length for section in sections]),
+        "axial_stiffness": 1.0 / mean([1.0 / section.axial_stiffness for section in sections]),
+        "diameter": diameter,
+        "bending_stiffness": max(section.bending_stiffness for section in sections),
+        "axial_damping": max(section.axial_damping for section in sections),
+        "normal_drag_coefficient": mean([section.normal_drag_coefficient for section in sections] * wide),
+        "tangential_drag_coefficient": mean([section.tangential_drag_coefficient for section in sections] * wide),
+        "added_mass_coefficient": mean([section.added_mass_coefficient for section in sections] * wide**2),
+        "volume_per_length": mean([section.displaced_area for section in sections]),
+    }
+
+
+def joined(cable: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of [cable] with its sections made whole: each has what it does not give itself from [cable], which gets theirs.
+
+    Raises ParameterError for a value of [cable] that no section takes.
+    """
+    given = cable["section"]
+    if not isinstance(given, list | tuple):
+        raise refuse("cable.section", given, "", "a list of tables", "Write each as [[cable.section]].")
+    rows = [row if isinstance(row, dict) else dataclasses.asdict(row) if isinstance(row, Section) else row for row in given]
+    common = {name: cable[name] for name in SHARED if name in cable}
+    sections = [
+        row if not isinstance(row, dict) else build(Section, {**common, **row}, f"cable.section[{k}]") for k, row in enumerate(rows)
+    ]
+    of_all = whole(sections)
+    for name, value in common.items():
+        if all(name in row for row in rows) and not _close(value, of_all[name]):
+            raise ParameterError(f"cable.{name}: every section has its own. Remove it from [cable], or from the sections that share it.")
+    must = f"{of_all['length']:g}, that of its sections"
+    if "length" in cable and not _close(cable["length"], of_all["length"]):
+        raise refuse("cable.length", cable["length"], "m", must, "Remove it, or mend the sections.")
+    return {**cable, **of_all, "section": tuple(sections)}
+
+
+def _close(value: Any, other: float) -> bool:
+    return isinstance(value, int | float) and abs(value - other) <= CLOSE * abs(other)
+
+
+def check(cable: Cable, nodes: int, meets: bool) -> None:
+    """Raises the ParameterError of sections that a chain of so many nodes cannot have; `meets`: water or a seabed is there."""
+    if not cable.section:
+        return
+    for name, value in whole(cable.section).items():
+        if not _close(getattr(cable, name), value):
+            raise refuse(f"cable.{name}", getattr(cable, name), "", f"{value:g}, that of its sections", "Change the sections.")
+    least = LEAST_CELLS * len(cable.section) + 1
+    if nodes < least:
+        raise refuse("solver.nodes", nodes, "", f">= {least} with {len(cable.section)} sections", "Give more nodes.")
+    for k, section in enumerate(cable.section):
+        if meets and section.diameter == 0.0:
+            raise refuse(f"cable.section[{k}].diameter", 0.0, "m", "> 0 in water or on a seabed", "Give the diameter.")
