@@ -43,6 +43,17 @@ class Section:
 
 
 @dataclass(frozen=True)
+class LineBody:
+    """A body on the cable between its ends, as the one on its lower end."""
+
+    at: float = quantity("m", "unstretched length of cable below it", above=0.0)
+    mass: float = quantity("kg", "mass of the body", above=0.0)
+    volume: float = quantity("m3", "displaced volume of the body", default=0.0, least=0.0)
+    drag_area: float = quantity("m2", "drag coefficient times frontal area of the body", default=0.0, least=0.0)
+    added_mass: float = quantity("kg", "added mass of the body", default=0.0, least=0.0)
+
+
+@dataclass(frozen=True)
 class Cable(Section):
     """The cable itself; of one with sections what they have on the whole, see cable_model.sections."""
 
@@ -53,6 +64,7 @@ class Cable(Section):
     compressible: bool = quantity("", "whether the cable may carry compression (linear law instead of slack)", default=False)
     inextensible: bool = quantity("", "whether stretch is left out (box grid only)", default=False)
     section: tuple[Section, ...] = quantity("", "sections from the lower end to the top", default=())
+    body: tuple[LineBody, ...] = quantity("", "bodies on the cable between its ends", default=())
 
 
 @dataclass(frozen=True)

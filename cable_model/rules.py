@@ -157,12 +157,13 @@ RULES = (
         "Give inputs at the start of the step, or set host.mass = 0.",
     ),
     Rule(
-        Given("cable.section") & Given("winch.fitted"), "winch.fitted", "false with sections",
+        (Given("cable.section") | Given("cable.body")) & Given("winch.fitted"), "winch.fitted",
+        "false with sections or bodies on the cable",
         "Leave the winch out, or make the cable alike all along.",
     ),
     Rule(
-        Given("cable.section") & Given("cable.stiffness_curve"), "cable.stiffness_curve", "empty beside sections",
-        "Give each section its axial_stiffness.",
+        (Given("cable.section") | Given("cable.body")) & Given("cable.stiffness_curve"), "cable.stiffness_curve",
+        "empty beside sections or bodies on the cable", "Give axial_stiffness.",
     ),
     Rule(Given("winch.speeds") & ~Given("winch.fitted"), "winch.speeds", "empty without a winch", "Set winch.fitted = true."),
     Rule(

@@ -1,8 +1,9 @@
-"""A cable of sections in a scene: what sections take from [cable], and what the cable is on the whole, which scales and rules read."""
+"""Sections of a cable and bodies on it: what sections take from [cable], and what the cable is on the whole, which scales read."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -72,16 +73,39 @@ def _close(value: Any, other: float) -> bool:
     return isinstance(value, int | float) and abs(value - other) <= CLOSE * abs(other)
 
 
+def pieces(cable: Cable) -> tuple[list[Section], list[int]]:
+    """The cable in pieces that are alike, from the lower end up, cut where bodies are; and for each body the piece above it."""
+    names = [field.name for field in dataclasses.fields(Section)]
+    left = list(cable.section) or [Section(**{name: getattr(cable, name) for name in names})]
+    made: list[Section] = []
+    joints = [0.0]
+    for at in [*sorted({body.at for body in cable.body}), math.inf]:
+        while left:
+            rest = at - joints[-1]
+            if rest <= CLOSE * cable.length:
+                break
+            piece = left.pop(0)
+            if piece.length - rest > CLOSE * cable.length:
+                left.insert(0, dataclasses.replace(piece, length=piece.length - rest))
+                piece = dataclasses.replace(piece, length=rest)
+            made.append(piece)
+            joints.append(joints[-1] + piece.length)
+    return made, [int(np.argmin(np.abs(np.array(joints) - body.at))) for body in cable.body]
+
+
 def check(cable: Cable, nodes: int, meets: bool) -> None:
-    """Raises the ParameterError of sections that a chain of so many nodes cannot have; `meets`: water or a seabed is there."""
-    if not cable.section:
-        return
-    for name, value in whole(cable.section).items():
-        if not _close(getattr(cable, name), value):
-            raise refuse(f"cable.{name}", getattr(cable, name), "", f"{value:g}, that of its sections", "Change the sections.")
-    least = LEAST_CELLS * len(cable.section) + 1
-    if nodes < least:
-        raise refuse("solver.nodes", nodes, "", f">= {least} with {len(cable.section)} sections", "Give more nodes.")
+    """Raises the ParameterError of sections or bodies that a chain of so many nodes cannot have; `meets`: water or a seabed is there."""
+    if cable.section:
+        for name, value in whole(cable.section).items():
+            if not _close(getattr(cable, name), value):
+                raise refuse(f"cable.{name}", getattr(cable, name), "", f"{value:g}, that of its sections", "Change the sections.")
+    for k, body in enumerate(cable.body):
+        if not CLOSE * cable.length < body.at < (1.0 - CLOSE) * cable.length:
+            raise refuse(f"cable.body[{k}].at", body.at, "m", f"between 0 and cable.length = {cable.length:g}", "An end's is in [body].")
+    count = len(pieces(cable)[0]) if cable.section or cable.body else 1
+    least = LEAST_CELLS * count + 1
+    if count > 1 and nodes < least:
+        raise refuse("solver.nodes", nodes, "", f">= {least} with {count} lengths of cable between joints and bodies", "Give more nodes.")
     for k, section in enumerate(cable.section):
         if meets and section.diameter == 0.0:
             raise refuse(f"cable.section[{k}].diameter", 0.0, "m", "> 0 in water or on a seabed", "Give the diameter.")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.sea import components
+from cable_model.sections import pieces
 
 
 def current(scene: Any) -> np.ndarray:
@@ -41,5 +42,12 @@ def sections(scene: Any) -> np.ndarray:
             row.length, row.diameter, row.mass_per_length, row.axial_stiffness, row.bending_stiffness, row.axial_damping,
             row.normal_drag_coefficient, row.tangential_drag_coefficient, row.added_mass_coefficient, row.displaced_area,
         ]
-        for row in scene.cable.section
+        for row in pieces(scene.cable)[0]
     ])  # fmt: skip
+
+
+def line_bodies(scene: Any) -> np.ndarray:
+    """Rows of kernels.line_bodies: the piece of cable above a body, and what it is."""
+    _, above = pieces(scene.cable)
+    rows = zip(above, scene.cable.body, strict=True)
+    return np.array([[float(k), body.mass, body.volume, body.drag_area, body.added_mass] for k, body in rows])

@@ -8,6 +8,7 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import weight_below
 from cable_model.kernels.problem import body_weight, cable_of, density_of, total_weight, water_of
 from cable_model.kernels.sections import LENGTH, SECTION, row_of
 
@@ -65,9 +66,11 @@ def _travel_time(parts, problem, k, below, grading):
 def _fill_sections(sections, parts, problem, grading, mesh):
     """Nodes on every joint; each section has cells by its travel time, FEWEST at least, in its own grading."""
     cells, last = mesh.shape[0], sections.shape[0] - 1
+    density, gravity = density_of(parts.water, problem.numbers), problem.cable.gravity
     total = 0.0
     below = body_weight(problem.body)
     for k in range(last + 1):
+        below += weight_below(parts.line_bodies, k, density, gravity)
         time, weight = _travel_time(parts, problem, k, below, grading)
         total += time
         below += weight * sections[k, LENGTH]
@@ -75,6 +78,7 @@ def _fill_sections(sections, parts, problem, grading, mesh):
     first = 0
     below = body_weight(problem.body)
     for k in range(last + 1):
+        below += weight_below(parts.line_bodies, k, density, gravity)
         time, weight = _travel_time(parts, problem, k, below, grading)
         passed += time
         beyond = int(cells * passed / total + 0.5)

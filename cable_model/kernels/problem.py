@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from cable_model.kernels.choice import without
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import sizes_of_bodies
 from cable_model.kernels.sections import sizes_of_weights
 
 NEUTRAL = 1e-6  # share of the weight in air below which a weight in water is one of rounding and of measured densities
@@ -124,7 +125,12 @@ def own_weight(cable):
 def body_part(body, water, p):
     if body is None:
         return None
-    hung = p[0].body
+    return body_of(p[0].body, water, p)
+
+
+@kernel
+def body_of(hung, water, p):
+    """What `hung` is in the medium."""
     density = density_of(water, p)
     added = 0.0
     if water is not None:
@@ -158,12 +164,12 @@ def body_mass(body):
 
 
 @kernel
-def _cable_weight(parts, p):
+def _cable_weight(sections, parts, p):
     """Sum of the sizes of the weights of all of the cable, N."""
     cable = cable_part(parts.water, p)
-    if parts.sections is None:
+    if sections is None:
         return abs(cable.weight) * cable.length
-    return sizes_of_weights(parts.sections, density_of(parts.water, p), cable.gravity)
+    return sizes_of_weights(sections, density_of(parts.water, p), cable.gravity)
 
 
 @kernel
@@ -171,8 +177,9 @@ def is_neutral(parts, p):
     """Whether cable and body weigh next to nothing in the water, either way; and what they weigh, N, and their mass, kg."""
     cable = cable_part(parts.water, p)
     body = body_part(parts.body, parts.water, p)
-    weight = _cable_weight(parts, p) + abs(body_weight(body))
-    mass = cable.mass * cable.length + body_mass(body)
+    on_line, their_mass = sizes_of_bodies(parts.line_bodies, density_of(parts.water, p), cable.gravity)
+    weight = _cable_weight(parts.sections, parts, p) + abs(body_weight(body)) + on_line
+    mass = cable.mass * cable.length + body_mass(body) + their_mass
     return weight <= NEUTRAL * mass * cable.gravity, weight, mass
 
 
@@ -185,6 +192,8 @@ def node_count(p):
 def total_weight(parts, p):
     """Force scale W: sizes of the weights in the medium of cable and body, N; never zero."""
     cable = cable_part(parts.water, p)
-    weight = _cable_weight(parts, p)
+    weight = _cable_weight(parts.sections, parts, p)
     weight += abs(body_weight(body_part(parts.body, parts.water, p)))
+    on_line, _ = sizes_of_bodies(parts.line_bodies, density_of(parts.water, p), cable.gravity)
+    weight += on_line
     return max(weight, 1e-6 * cable.mass * cable.gravity * cable.length, 1e-12 * cable.stiffness)

@@ -14,7 +14,10 @@ fourth-order dispersion on smooth meshes.
 
 from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.cells import of_cell, turn_stiffness
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import ABOVE, joint, row_of
+from cable_model.kernels.problem import body_of
 from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
 from cable_model.kernels.staggered_surface import cell_water, lower_end_terms
@@ -28,6 +31,7 @@ from cable_model.kernels.vector import (
     dot,
     load,
     load_from,
+    load_matrix,
     mix,
     norm,
     outer,
@@ -160,6 +164,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
     store(x, lowest, scale(-1.0, add(carry_r, end_r)))
     x[lowest, 0] += problem.numeric.pull
+    _add_bodies(parts.line_bodies, parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x)
     _add_outflow(parts.winch, gains, problem.cable, load(q, n - 2, like), x, n - 1)
     _add_bending(parts.bending, parts, problem, gains, mesh, q, lowest, bands, x, like)
 
@@ -179,6 +184,33 @@ def _add_outflow(winch, gains, cable, q, x, top):
         return
     slide = gains.winding.length * gains.winding.rate
     store(x, top, axpy(-cable.mass * slide * slide, q, load(x, top, q)))
+
+
+@kernel
+def _no_bodies(bodies, parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x):
+    return
+
+
+@kernel
+def _bodies(bodies, parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x):
+    """A loop of its own: in that of the cells the compiler would keep fewer numbers in registers."""
+    position = top
+    for i in range(mesh.shape[0] - 1, lowest, -1):
+        position = axpy(-mesh[i, 0], load(q, i, top), position)
+        section = joint(mesh, i)
+        if section < 0:
+            continue
+        for j in range(bodies.shape[0]):
+            if int(bodies[j, ABOVE]) == section:
+                body = body_of(row_of(bodies, j), parts.water, problem.numbers)
+                more, by_velocity = lower_end_terms(
+                    True, parts, body, problem.cable, gains, position, load(v, i, top), load(a, i, top), time
+                )  # fmt: skip
+                store(x, i, sub(load(x, i, top), more))
+                store_matrix(bands, 2, i, add_matrix(load_matrix(bands, 2, i, top), by_velocity))
+
+
+_add_bodies = by_presence(_no_bodies, _bodies)
 
 
 @kernel

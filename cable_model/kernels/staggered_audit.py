@@ -11,6 +11,7 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.fluid import water_motion
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import ABOVE, joint, mass_on, row_of
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import elastic, floor, width
 from cable_model.kernels.surface import Share, cell_share, centre, level_over, share
@@ -49,6 +50,9 @@ def stored(parts, problem, mesh, y, top):
         kinetic += 0.5 * m * h * squares
         potential += m * gravity * h * (split * at[len(at) - 1] + (1.0 - split) * upper)
         strained += h * _strain_energy(parts, problem, mesh, i, norm(q) - 1.0)
+        on_line = mass_on(parts.line_bodies, mesh, i)
+        kinetic += 0.5 * on_line * dot(v, v)
+        potential += on_line * gravity * at[len(at) - 1]
         v_up = v
     mass = mass_of_body(parts.body, p)
     kinetic += 0.5 * mass * dot(v_up, v_up)
@@ -153,8 +157,9 @@ def change_of_momentum(parts, problem, mesh, y0, y1, like):
         m = made_of(parts.sections, p, mesh, i).mass_per_length
         low = sub(load(y1, n + i, like), load(y0, n + i, like))
         if i > 0 or parts.anchor is None:
-            mass += m * h
-            change = add(change, mix(m * h * split, low, m * h * (1.0 - split), up))
+            on_line = mass_on(parts.line_bodies, mesh, i)
+            mass += m * h + on_line
+            change = add(change, mix(m * h * split + on_line, low, m * h * (1.0 - split), up))
         else:
             mass += m * h * (1.0 - split)
             change = add(change, mix(m * h * COUPLED, low, m * h * (1.0 - split - COUPLED), up))
@@ -245,7 +250,32 @@ def _on_body(body, parts, p, at, v, a, time):
     """Force of the water on the body, N."""
     if body is None or parts.water is None:
         return zero(v)
-    hung, density = p[0].body, p[0].water.density
+    return _on_sphere(parts, p, p[0].body, at, v, a, time)
+
+
+@kernel
+def _nothing(bodies, parts, p, mesh, i, at, v, a, time):
+    return zero(v)
+
+
+@kernel
+def _on_bodies(bodies, parts, p, mesh, i, at, v, a, time):
+    force = zero(v)
+    section = joint(mesh, i)
+    if section < 0 or parts.water is None:
+        return force
+    for j in range(bodies.shape[0]):
+        if int(bodies[j, ABOVE]) == section:
+            force = add(force, _on_sphere(parts, p, row_of(bodies, j), at, v, a, time))
+    return force
+
+
+_on_line = by_presence(_nothing, _on_bodies)  # force of the water on the bodies on node i, N
+
+
+@kernel
+def _on_sphere(parts, p, hung, at, v, a, time):
+    density = p[0].water.density
     displaced, radius = density * hung.volume, max((0.75 / math.pi * hung.volume) ** (1.0 / 3.0), 0.5 * p[0].cable.diameter)
     wet, slope, rate, drop = 1.0, 0.0, 0.0, 0.0
     if parts.surface is not None:
@@ -281,6 +311,8 @@ def water_in_step(parts, problem, mesh, y0, y1, before, after, h, time):
         a_low = scale(1.0 / h, sub(load(y1, n + i, before), load(y0, n + i, before)))
         cable = made_of(parts.sections, p, mesh, i)
         on_low, on_up = _on_cell(parts.water, parts, p, cable, mesh[i, 0], mesh[i, 1], q, low, up, v_low, v_up, a_low, a_up, time)
+        on_line = _on_line(parts.line_bodies, parts, p, mesh, i, low, v_low, a_low, time)
+        on_low = add(on_low, on_line)
         force = add(force, on_up)
         if i > 0 or parts.anchor is None:
             force = add(force, on_low)

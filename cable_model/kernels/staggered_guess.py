@@ -4,8 +4,9 @@ import math
 
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.mesh import fill
-from cable_model.kernels.problem import body_weight
+from cable_model.kernels.problem import body_weight, density_of
 from cable_model.kernels.vector import axpy, dot, load, norm, scale, store, sub, upward, zero
 
 OPEN = 0.1  # of the length: two held ends nearer to one another across than that get a loop that is open, for a fold has no direction
@@ -66,10 +67,14 @@ def _catenary(anchor, parts, problem, scale_force, mesh, y, force, top):
     n = mesh.shape[0] + 1
     pull = problem.numeric.pull
     load_below = body_weight(problem.body)
+    density = density_of(parts.water, problem.numbers)
     total = load_below + problem.cable.weight * problem.cable.length
+    for i in range(n - 1):
+        total += weight_on(parts.line_bodies, mesh, i, density, problem.cable.gravity)
     sign = 1.0 if total >= 0.0 else -1.0
     for i in range(n - 1):
         own = of_cell(parts.sections, parts, problem, mesh, i).cable
+        load_below += weight_on(parts.line_bodies, mesh, i, density, problem.cable.gravity)
         hanging = load_below + own.weight * mesh[i, 1] * mesh[i, 0]
         load_below += own.weight * mesh[i, 0]
         if sign * hanging < 0.0:

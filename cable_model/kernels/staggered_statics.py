@@ -7,6 +7,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.easing import BLUNT, LEAST_BLUNT, eased
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import sizes_of_bodies
 from cable_model.kernels.mesh import fewest_nodes, fill
 from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import body_mass, total_weight
@@ -41,7 +42,8 @@ def equilibrium(parts, problem, p, grading, mesh, y, yd, contraction, y1, yd1, f
     """
     n = mesh.shape[0] + 1
     weight = total_weight(parts, p)
-    mass = problem.cable.mass * problem.cable.length + body_mass(problem.body)
+    _, on_line = sizes_of_bodies(parts.line_bodies, 0.0, 0.0)
+    mass = problem.cable.mass * problem.cable.length + body_mass(problem.body) + on_line
     rest(anchor, parts, problem, weight, mesh, y, yd, force, top)
     lay_out(parts.friction, problem.ground, mesh, anchor, top, s.contact)
     period = math.sqrt(problem.cable.length / max(problem.cable.gravity, 1e-3))

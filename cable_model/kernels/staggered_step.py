@@ -10,7 +10,8 @@ from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel, views
-from cable_model.kernels.problem import body_mass
+from cable_model.kernels.line_bodies import mass_on, weight_on
+from cable_model.kernels.problem import body_mass, density_of
 from cable_model.kernels.seabed import CHANGE, rests, start_contacts, update_contacts
 from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.slack import fading, floor, step_tension, width
@@ -178,9 +179,10 @@ def _floor(parts, problem, mesh, i):
 def _fade(parts, problem, mesh, s):
     """Shares of the slack damping at the tensions that are foretold."""
     below = problem.numeric.hung
+    density = density_of(parts.water, problem.numbers)
     for i in range(mesh.shape[0]):
         numeric = of_cell(parts.sections, parts, problem, mesh, i).numeric
-        below += numeric.own * mesh[i, 0]
+        below += numeric.own * mesh[i, 0] + abs(weight_on(parts.line_bodies, mesh, i, density, problem.cable.gravity))
         s.cells[i, FADING] = fading(parts.slack, s.cells[i, 0] - floor(parts, numeric, mesh[i, 0]), below)
 
 
@@ -355,6 +357,9 @@ def _missed_momentum(parts, problem, gains, mesh, yd0, yd1, ydd, reach, s, like)
         up = load(s.v, i + 1, like)
         store(s.x, i, axpy(share, mix(mesh[i, 1] - SHARE, low, SHARE, up), load(s.x, i, like)))
         store(s.x, i + 1, scale(share, mix(1.0 - mesh[i, 1] - SHARE, up, SHARE, low)))
+    if parts.line_bodies is not None:
+        for i in range(1, n - 1):
+            store(s.x, i, axpy(gains.a * mass_on(parts.line_bodies, mesh, i), load(s.v, i, like), load(s.x, i, like)))
 
 
 @kernel
@@ -374,4 +379,4 @@ def _mass(parts, problem, mesh, i):
     if i == 0:
         return above * mesh[0, 1] * mesh[0, 0] + body_mass(problem.body)
     below = _mass_per_length(parts, problem, mesh, i - 1)
-    return above * mesh[i, 1] * mesh[i, 0] + below * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
+    return mass_on(parts.line_bodies, mesh, i) + above * mesh[i, 1] * mesh[i, 0] + below * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
