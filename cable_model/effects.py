@@ -195,11 +195,11 @@ EFFECTS = (
         costs={"table of the axial stiffness": {"cable.stiffness_curve": _CURVE}},
     ),
     Effect(
-        "sections", "sections of the cable, or bodies on it", Given("cable.section") | Given("cable.body"), ("cable.section", "cable.body"),
+        "sections", "joints in the cable", Given("cable.section") | Given("cable.body"), ("cable.section", "cable.body"),
         models=(CHAIN,), grids=(STAGGERED,), table=tables.sections, native="absent", costs={"two sections": {"cable.section": _SECTIONS}},
     ),
     Effect(
-        "line_bodies", "sections of the cable, or bodies on it", Given("cable.body"), ("cable.body",), models=(CHAIN,), grids=(STAGGERED,),
+        "line_bodies", "bodies on the cable", Given("cable.body"), ("cable.body",), models=(CHAIN,), grids=(STAGGERED,),
         table=tables.line_bodies, native="absent", costs={"a body on the cable": {"cable.body": [{"at": 0.875, "mass": 0.05}]}},
     ),
     Effect(

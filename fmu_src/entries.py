@@ -13,7 +13,7 @@ from cable_model.signals import INPUTS
 # a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
-TABLES = ("current", "waves", "curve")  # the tables that an entry takes
+TABLES = {"current": 3, "waves": 6, "curve": 3, "sections": 10, "line_bodies": 5}  # the tables that an entry takes, and their columns
 RELEASED = "released"  # beside the parts of a variant: whether the cable hangs anchored and is let go at the start
 SIZES, START, STEP, ADVANCE, NODES, OUTPUTS, SHAPE = range(7)  # what an entry is asked for, see fmu_src.native.export
 ROWS, COLUMNS = 9, 7  # of a path of the cable's ends

@@ -22,12 +22,11 @@ from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.signals import INPUTS
 from cable_model.signals import OUTPUTS as SIGNALS
-from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, WORK, Variant, serves
+from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, TABLES, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
-_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipip"))  # releases the interpreter's lock
-_NO_LEVELS = np.zeros((1, 3))
-_NO_WAVES, _NO_CURVE = np.zeros((0, 6)), np.zeros((0, 3))
+_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipipipip"))  # releases the interpreter's lock
+_NO_ROWS = {name: np.zeros((int(name == "current"), columns)) for name, columns in TABLES.items()}  # no current is one level at rest
 
 
 class ObjectCode:
@@ -110,14 +109,12 @@ class Precompiled:
 
     def __init__(self, entry: Callable[..., int], model: Model, engine: object) -> None:
         parts = model.parts
-        levels: Any = _NO_LEVELS if parts.current is None else parts.current
-        waves: Any = _NO_WAVES if parts.waves is None else parts.waves
-        curve: Any = _NO_CURVE if parts.curve is None else parts.curve
+        tables = [_NO_ROWS[name] if getattr(parts, name) is None else getattr(parts, name) for name in TABLES]
         self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
         present = np.array([float(part is not None) for part in parts])
-        self._held = (model.numbers, present, levels, waves, curve, engine)  # only their addresses are passed
-        tables = (_at(levels), len(levels), _at(waves), len(waves), _at(curve), len(curve))
-        fixed = (_at(self._inputs), _at(model.numbers), _at(present), *tables)
+        self._held = (model.numbers, present, tables, engine)  # only their addresses are passed
+        rows = [given for table in tables for given in (_at(table), len(table))]
+        fixed = (_at(self._inputs), _at(model.numbers), _at(present), *rows)
         new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
         entry(*status, SIZES, 0.0, 0.0, 0, *fixed, None, 0, None, 0, new_at)
         sizes = self._new[:2].astype(int)

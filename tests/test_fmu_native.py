@@ -146,6 +146,18 @@ BAKED: dict[str, tuple[str, dict[str, Any]]] = {
         },
         "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21, "audit": True},
     }),
+    "chain of sections with bodies on it, moored on a bottom": ("chain", {
+        "cable": {
+            "section": [
+                {"length": 40.0, "mass_per_length": 8.0, "axial_stiffness": 1e6, "diameter": 0.03, "volume_per_length": 1e-3},
+                {"length": 30.0, "mass_per_length": 1.0, "axial_stiffness": 2e5, "diameter": 0.04},
+            ],
+            "normal_drag_coefficient": 1.2, "added_mass_coefficient": 1.0,
+            "body": [{"at": 55.0, "mass": 20.0, "volume": 0.04, "drag_area": 0.1, "added_mass": 15.0}],
+        },
+        "water": {}, "current": {"speed": 0.2}, "lower_end": {"anchored": True, "x": -50.0, "z": -30.0},
+        "seabed": {"level": -30.0, "stiffness": 1e5}, "solver": {"nodes": 27},
+    }),
     "chain on the box grid": ("chain", {
         "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
         "water": {"density": 1025.0}, "body": {"mass": 50.0}, "solver": {"nodes": 21, "grid": "box"},
@@ -217,6 +229,15 @@ def test_an_end_that_is_let_go_is_an_anchored_one_at_the_start():
     assert Rules(table(scene), scene, key).kept["lower_end.anchored"] == text
     with pytest.raises(ParameterError, match=re.escape(f"lower_end.anchored = False: must be {text}")):
         scene_from_values(scene, {"lower_end.anchored": False}, key)
+
+
+def test_what_sections_were_made_of_is_kept_in_fmus():
+    scene = from_dict(BAKED["chain of sections with bodies on it, moored on a bottom"][1])
+    kept = Rules(table(scene), scene, "chain").kept
+    for name in ("cable.length", "cable.mass_per_length", "cable.diameter", "cable.volume_per_length", "solver.nodes"):
+        assert kept[name].endswith("where a cable of sections is baked in. Bake a scene without cable.section.") or "bodies" in kept[name]
+        with pytest.raises(ParameterError, match=re.escape(f"{name} = ")):
+            scene_from_values(scene, {name: 50 if name == "solver.nodes" else 1.5}, "chain")
 
 
 @pytest.mark.long

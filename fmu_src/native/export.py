@@ -55,8 +55,8 @@ ENVIRONMENT = {
 ENTRY = """
 int32_t {name}(int64_t *status, void **error, int64_t what, double time, double step, int64_t order, const double *inputs,
                const double *numbers, const double *present, const double *current, int64_t levels, const double *waves,
-               int64_t components, const double *curve, int64_t rows, double *state, int64_t state_size, double *work, int64_t work_size,
-               double *outputs);
+               int64_t components, const double *curve, int64_t rows, const double *sections, int64_t pieces, const double *bodies,
+               int64_t bodies_count, double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
 """
 
 # numba's views of the arrays, which are all contiguous, ask for this function
@@ -107,7 +107,7 @@ class ExportError(RuntimeError):
 
 
 def _parts(variant: Variant) -> Any:
-    """A jitted function of (present, current, waves, curve) that makes the parts of a variant."""
+    """A jitted function of (present, *tables) that makes the parts of a variant."""
     from numba import njit
 
     from cable_model.effects import Parts
@@ -127,7 +127,7 @@ def _parts(variant: Variant) -> Any:
         else:
             made.append(f"either(present[{k}])" if variant[name] == EITHER else "True")
     # numba wants the members of a named tuple spelled out
-    return njit(eval(f"lambda present, current, waves, curve: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+    return njit(eval(f"lambda present, {', '.join(TABLES)}: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
 
 
 def _start(kernels: Any, released: bool) -> Any:
@@ -175,11 +175,15 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     ok, again = header.OK, host_trials.AGAIN
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
-    def entry(what, time, step, order, x, p, on, levels, n_levels, components, n_components, curve, n_rows, y, n_y, w, n_w, out):
+    def entry(
+        what, time, step, order, x, p, on, levels, n_levels, components, n_components, curve, n_rows, pieces, n_pieces, bodies, n_bodies,
+        y, n_y, w, n_w, out,
+    ):  # fmt: skip
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
         present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6))
-        parts = parts_now(present, current, waves, carray(curve, (n_rows, 3)))
+        laws, sections, on_line = carray(curve, (n_rows, 3)), carray(pieces, (n_pieces, 10)), carray(bodies, (n_bodies, 5))
+        parts = parts_now(present, current, waves, laws, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
@@ -213,7 +217,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                held = held_then(present, current, waves, carray(curve, (n_rows, 3)))
+                held = held_then(present, current, waves, laws, sections, on_line)
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif steps:
@@ -249,7 +253,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     from fmu_src.native import presence
 
     kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
-    arguments = tuple(kinds[kind] for kind in "iddipnppipipipipip")  # as ENTRY
+    arguments = tuple(kinds[kind] for kind in "iddipnppipipipipipipip")  # as ENTRY
     flags: Any = compiler.Flags()
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
     flags.enable_pyobject = False

@@ -24,7 +24,7 @@ from cable_model.scene import Scene
 from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import parts_of
 from fmu_src import entries
-from fmu_src.entries import Variant
+from fmu_src.entries import TABLES, Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables
 from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.export import ENTRY
@@ -149,7 +149,8 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     parts = rules.parts()
     baked = parts_of(scene, model)
     levels = _rows(baked.current if scene.current.levels else None)
-    sea, curve = _rows(baked.waves if has_sea(scene, model) else None), _rows(baked.curve)
+    sea = _rows(baked.waves if has_sea(scene, model) else None)
+    curve, sections, bodies = _rows(baked.curve), _rows(baked.sections), _rows(baked.line_bodies)
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
     names = {
         "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_SHAPE": len(SHAPE), "N_NUMBERS": len(PARAMETERS),
@@ -160,6 +161,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "WAVE_DIRECTION": place["wave.direction"], "WAVE_PHASE": place["wave.phase"],
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
         "N_BAKED_WAVES": len(sea), "N_BAKED_CURVE": len(curve),
+        "N_BAKED_SECTIONS": len(sections), "N_BAKED_BODIES": len(bodies),
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP, "SHAPE": entries.SHAPE, "SHAPE_AT": f"{place[SHAPE[0]]}u",
         "CHANGED": CHANGED,
@@ -193,6 +195,9 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("char *const", "doubts", (_text(text) for text in SEEN)),
         _array("double", "baked_levels", levels or ["{0.0, 0.0, 0.0}"], "][3"),
         _array("double", "baked_waves", sea or ["{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}"], "][6"),
-        _array("double", "baked_curve", curve or ["{0.0, 0.0, 0.0}"], "][3"),
+        *(
+            _array("double", f"baked_{name}", rows or [f"{{{', '.join(['0.0'] * TABLES[part])}}}"], f"][{TABLES[part]}")
+            for name, part, rows in (("curve", "curve", curve), ("sections", "sections", sections), ("bodies", "line_bodies", bodies))
+        ),
     ]
     return "\n".join(blocks)
