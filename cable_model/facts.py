@@ -10,7 +10,7 @@ CPU_TIME = "solver.cpu_time"
 
 
 class Facts(NamedTuple):
-    """Unit, meaning and usual size of a variable; `starts_from`: inputs that its value at the end of initialization depends on, in any model."""
+    """Unit, meaning and usual size of a variable; `starts_from`: inputs that its value at the end of initialization depends on."""
 
     unit: str
     description: str
@@ -21,6 +21,7 @@ class Facts(NamedTuple):
 _OF_INPUTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
 _PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13]), (*INPUTS[3:6], *INPUTS[13:16]), ()
 _DRIVEN = "(needs lower_end.driven)"
+# of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
 _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "top.force_x": ("N", "force of the cable on its attachment, x", 1e3, INPUTS),
     "top.force_y": ("N", "force of the cable on its attachment, y", 1e3, INPUTS),
