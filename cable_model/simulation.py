@@ -70,8 +70,7 @@ class Result:
         if outside.any():
             within = f">= {known[0]:g} and <= {known[-1]:g}, the times of the run"
             raise refuse("times", float(times[outside][0]), "s", within, "Ask for others, or simulate longer.")
-        above = np.searchsorted(known, times).clip(1, max(1, len(known) - 1))
-        return np.where(times - known[above - 1] <= known[above] - times, above - 1, above)
+        return np.array([np.abs(known - time).argmin() for time in times], dtype=int)
 
     def to_xarray(self) -> xarray.Dataset:
         """All of it as one dataset, with units, meanings, warnings and the scene.  Raises ParameterError where xarray is not installed.

@@ -7,6 +7,7 @@ import io
 import re
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,19 @@ def test_curvature_of_a_line_that_turns_back_is_finite_and_of_a_straight_one_0()
     assert np.isfinite(curvature(line[[0, 1, 1, 2]])).all()  # two points in one place
 
 
+def test_curvature_is_led_on_to_the_ends_by_a_straight_line_but_not_below_0():
+    """Of a line in the plane whose curvature is linear over its length, by unequal chords."""
+    lengths = np.array([0.1, 0.2, 0.3, 0.4])
+    for slope in (1.0, -0.5, 1.6, -1.6):
+        expected = 1.0 + slope * (np.cumsum([0.0, *lengths]) - 0.5)
+        turns = 2.0 * np.arcsin(0.5 * np.clip(expected[1:-1], 0.0, None) * 0.5 * (lengths[1:] + lengths[:-1]))
+        angles = np.cumsum([0.4, *turns])
+        chords = lengths[:, None] * np.column_stack((np.cos(angles), np.zeros(4), np.sin(angles)))
+        assert curvature(np.cumsum([[0.0, 0.0, 0.0], *chords], axis=0)) == pytest.approx(expected, rel=1e-9)
+    downwards = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 1.0]])
+    assert curvature(downwards)[0] == 0.0 and curvature(downwards)[-1] > curvature(downwards)[-2] > 0.5
+
+
 @pytest.mark.parametrize(
     ("grid", "grading", "stiffness"), [("staggered", 0.0, 1e9), ("staggered", 0.0, 500.0), ("staggered", 2.0, 500.0), ("box", 0.0, 500.0)]
 )
@@ -146,6 +160,8 @@ def test_profiles_are_those_of_the_output_steps_nearest_to_the_times_that_are_as
     assert np.array_equal(some.times, run["time"][rows])
     assert np.array_equal(some.positions, run.shapes[rows]) and np.array_equal(some.tensions, run.tensions[rows])
     assert np.array_equal(run.profiles(0.26).times, run["time"][[5]])
+    begun = replace(run, table=run.table[:1])  # of a run that stopped in its first step
+    assert np.array_equal(begun.profiles(0.0).positions, run.shapes[:1]) and run.profiles([]).curvatures.shape == (0, 11)
     for time, shown in ((-0.01, "-0.01"), (0.51, "0.51"), (np.nan, "nan")):
         told = f"times = {shown} s: must be >= 0 and <= 0.5, the times of the run. Ask for others, or simulate longer."
         with pytest.raises(ParameterError, match=f"^{re.escape(told)}$"):
