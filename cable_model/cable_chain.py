@@ -5,6 +5,7 @@ from types import ModuleType
 import numpy as np
 
 from cable_model.calls import Calls
+from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.rules import check_start
 
@@ -19,6 +20,10 @@ class CableChain(Model):
         from cable_model.kernels import chain
 
         return chain
+
+    def arc_lengths(self) -> np.ndarray:
+        cells = self.state[header.HEADER :][: 2 * (self._node_count() - 1) : 2]  # the mesh comes first in the state, see kernels.layout
+        return np.concatenate(([0.0], np.cumsum(cells)))
 
     def _just_in_time(self) -> Calls:
         """An anchored lower end that is let go at the start: statics with the anchor, then rates without it."""

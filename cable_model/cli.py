@@ -20,6 +20,7 @@ from cable_model.kernel_cache import mended
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.motion import MotionLike, motion_of
+from cable_model.result_files import check_profiles, check_results, is_netcdf, write_netcdf, write_profiles
 from cable_model.scene import Scene, shipped, with_values
 from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
 from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simulate, write_csv
@@ -128,20 +129,49 @@ _COUNTERS = ("solver.steps", "solver.newton_iterations", "solver.rejected_steps"
 @app.command()
 def run(
     scene: SceneArgument,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="CSV file (with --model both: the model's name is added)")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="CSV file, or .nc: netCDF (with --model both: the model's name is added)")
+    ] = None,
     model: Annotated[Choice | None, typer.Option(help="chain, tow or both; default: what the scene is meant for")] = None,
+    profiles: Annotated[Path | None, typer.Option(help="also a CSV of places, tensions and curvature along the cable")] = None,
 ) -> None:
-    """Simulate a scene, write its time series as CSV and print a short result table."""
+    """Simulate a scene, write its time series as CSV, or with profiles as netCDF, and print a short result table."""
     check_output(output)
+    check_output(profiles)
     loaded = load_scene(scene)
-    results = {}
+    file = output or Path("results") / f"{Path(scene).stem}.csv"
+    check_results(file)
+    runs = {}
     for name, its in _models_with_scenes(model, loaded).items():
-        target = output or Path("results") / f"{Path(scene).stem}.csv"
-        if model is Choice.both or (output is None and name != loaded.run.model):
-            target = target.with_stem(f"{target.stem}_{name}")
-        results[name] = run_with_progress(MODELS[name](its), target)
-        say(f"wrote {target}")
+        both = model is Choice.both
+        target = _named(file, name) if both or (output is None and name != loaded.run.model) else file
+        along = _named(profiles, name) if both and profiles is not None else profiles
+        if along is not None:
+            check_profiles(along, target)
+        runs[name] = its, target, along
+    results = {}
+    for name, (its, target, along) in runs.items():
+        try:
+            results[name] = run_with_progress(MODELS[name](its), None if is_netcdf(target) else target)
+        except RunStopped as stopped:
+            _write(stopped.result, target, along)
+            raise
+        _write(results[name], target, along)
+        say(f"wrote {target}" if along is None else f"wrote {target} and {along}")
     console.print(summary(results))
+
+
+def _named(path: Path, model: str) -> Path:
+    """The path with the model's name in it: it serves several."""
+    return path.with_stem(f"{path.stem}_{model}")
+
+
+def _write(result: Result, target: Path, profiles: Path | None) -> None:
+    """What is written when a run has ended: a CSV of its series has come with it."""
+    if is_netcdf(target):
+        write_netcdf(target, result)
+    if profiles is not None:
+        write_profiles(profiles, result)
 
 
 @app.command()

@@ -144,6 +144,10 @@ class Model:
         """Position (m) and tension (N) at the nodes of the cable from the lower end to the top, (n, 4)."""
         return self._points(False, self._node_count())
 
+    def arc_lengths(self) -> np.ndarray:
+        """Unstretched length (n,) of the cable from its lower end to each node, m; a winch changes it."""
+        raise NotImplementedError
+
     def shape(self, count: int = SHAPE_POINTS) -> np.ndarray:
         """The same at `count` points that are evenly spaced along the unstretched cable, (count, 4).  Raises ParameterError below 2."""
         if count < 2:

@@ -3,29 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cable_model.audit import Audit
 from cable_model.doubts import under_a_given_motion
 from cable_model.driving import follow, output_steps
-from cable_model.errors import ParameterError, SolverError, unknown, writing
+from cable_model.errors import ParameterError, SolverError, refuse, unknown, writing
 from cable_model.model import Model
 from cable_model.motion import MotionLike, motion_of
+from cable_model.profiles import Profiles
+from cable_model.scene import Scene
 from cable_model.signals import INPUTS, OUTPUTS
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @dataclass(frozen=True)
 class Result:
     """Time series of a run: `table` (rows, 1 + 19 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
-    `shapes` are positions of the nodes from the lower end to the top, m, and `tensions` (rows, points) those there, N; None where the
-    result is not of a model.
+    `shapes` are positions of the nodes from the lower end to the top, m, `tensions` (rows, points) those there, N, and `arc_lengths`
+    (rows, points) where they are on the unstretched cable, from the lower end, m; None where the result is not of a model.
 
-    `warnings` say what is doubtful about it, `audit` how well its balances close, where it was audited.
+    `warnings` say what is doubtful about it, `audit` how well its balances close, where it was audited; `scene` is what was simulated (a
+    motion that was given in place of its own is not in it), and `model` the name of the model's type.
     """
 
     columns: tuple[str, ...]
@@ -34,12 +41,46 @@ class Result:
     warnings: tuple[str, ...] = ()
     audit: Audit | None = None
     tensions: np.ndarray | None = None
+    arc_lengths: np.ndarray | None = None
+    scene: Scene | None = None
+    model: str = ""
 
     def __getitem__(self, name: str) -> np.ndarray:
         """The series of a column.  Raises ParameterError with the nearest name for one that is not there."""
         if name not in self.columns:
             raise unknown(name, self.columns, "column")
         return self.table[:, self.columns.index(name)]
+
+    def profiles(self, times: ArrayLike | None = None) -> Profiles:
+        """Places, tensions and curvature along the cable at the output steps nearest to `times` (k,), s; at all of them by default.
+
+        Raises ParameterError where the result has none, and for times that are not within the run.
+        """
+        if self.arc_lengths is None or self.tensions is None:
+            raise ParameterError(
+                "profiles: must be of a model's run, and this result has time series only. Use simulate, or connect shape.* of the FMU."
+            )
+        rows = slice(None) if times is None else self._nearest(np.asarray(times, dtype=float).ravel())
+        return Profiles(self["time"][rows], self.arc_lengths[rows], self.shapes[rows], self.tensions[rows])
+
+    def _nearest(self, times: np.ndarray) -> np.ndarray:
+        """Rows of the output steps that are nearest to times."""
+        known = self["time"]
+        outside = ~((times >= known[0]) & (times <= known[-1]))  # nan is nowhere
+        if outside.any():
+            within = f">= {known[0]:g} and <= {known[-1]:g}, the times of the run"
+            raise refuse("times", float(times[outside][0]), "s", within, "Ask for others, or simulate longer.")
+        return np.array([np.abs(known - time).argmin() for time in times], dtype=int)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """All of it as one dataset, with units, meanings, warnings and the scene.  Raises ParameterError where xarray is not installed.
+
+        Series go over `time`, and by their names as in `columns`; profiles, where the result has them, over `time` and `arc_length`, by
+        those of facts.PROFILE.  Where a winch changes the lengths the second dimension is `point`, and `arc_length` goes over both.
+        """
+        from cable_model.result_files import dataset
+
+        return dataset(self)
 
 
 class RunStopped(SolverError):
@@ -135,6 +176,7 @@ def simulate(
     rows: list[np.ndarray] = []
     shapes: list[np.ndarray] = []
     tensions: list[np.ndarray] = []
+    arc_lengths: list[np.ndarray] = []
     impulse = np.zeros(len(_MEANS))
 
     def advance(time: float, length: float, first: np.ndarray, last: np.ndarray) -> None:
@@ -149,12 +191,17 @@ def simulate(
         nodes = model.nodes()
         shapes.append(nodes[:, :3])
         tensions.append(nodes[:, 3])
+        if scene.winch.fitted or not arc_lengths:
+            arc_lengths.append(model.arc_lengths())
         if keep is not None:
             keep(row)
 
     def result() -> Result:
         told = (*model.warnings(), *under_a_given_motion(scene))
-        return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, np.array(tensions))
+        pulls = np.array(tensions)
+        arcs = np.broadcast_to(np.array(arc_lengths), pulls.shape)  # without a winch one row serves all
+        done = replace(scene, run=replace(scene.run, duration=duration, output_step=step))
+        return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, pulls, arcs, done, type(model).__name__)
 
     start = motion(0.0, 1)
     model.initialize(start)

@@ -75,6 +75,9 @@ class TowCable(Model):
     def __getitem__(self, name: str) -> float:
         return float(self.outputs[OUTPUTS.index(name)])
 
+    def arc_lengths(self) -> np.ndarray:
+        return np.array([0.0, self.scene.cable.length])
+
     def _node_count(self) -> int:
         return 2
 

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
+from cable_model.facts import facts_of
 from cable_model.scene import Scene
 from cable_model.signals import SHAPE, SHAPE_POINTS
 from fmu_src import model_description as fmi2
@@ -13,7 +14,7 @@ from fmu_src.interface import Variable
 
 KINDS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "String": "String"}  # types of FMI 2.0 and 3.0
 ARRAYS = tuple(dict.fromkeys(name.partition("[")[0] for name in SHAPE))  # of SHAPE_POINTS elements each
-TIME = Variable("time", "independent", "continuous", "Real", "s", "simulated time")
+TIME = Variable("time", "independent", "continuous", "Real", *facts_of("time")[:2])
 
 
 def _whole(row: Variable) -> Variable:

@@ -1,7 +1,7 @@
 """The one interface table of the FMUs: every variable with its facts.  XML, value references, getters, docs and C derive from it.
 
 Both FMUs have the same table.  The value reference of a variable is its place in it: append, never insert.  Facts of parameters
-come from the scene's data classes; only what FMI adds is written here.
+come from the scene's data classes, those of inputs and outputs from cable_model.facts; only what FMI adds is written here.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from dataclasses import dataclass
 from cable_model.condition import Given
 from cable_model.effects import FMU_PARAMETERS, used_by
 from cable_model.errors import refuse, unknown
+from cable_model.facts import CPU_TIME, facts_of
 from cable_model.parameters import field_of, holder_of, value_of
 from cable_model.quantity import types_of
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.sections import SHARED
-from cable_model.signals import INPUTS, OUTPUTS, SHAPE, SHAPE_POINTS
+from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import TYPES, true
 
 GENERIC = {
@@ -36,7 +37,6 @@ GENERIC = {
     "run": {"duration": 60.0, "output_step": 0.05},
 }
 
-CPU_TIME = "solver.cpu_time"
 EFFECTS = "effects.active"
 
 # What released FMUs have beyond their inputs, after which it comes in this order: value references never change.  What signals.OUTPUTS and
@@ -139,67 +139,6 @@ _FIRST, _LATER = INPUTS[:10], INPUTS[10:]  # inputs: at the head, and those that
 _NAMES = tuple(dict.fromkeys((*_FIRST, *RELEASED, *OUTPUTS, *_LATER, *SHAPE, *map(fmu_name, FMU_PARAMETERS))))
 _PARAMETERS = tuple(name for name in _NAMES if name not in (*INPUTS, *OUTPUTS, *SHAPE, CPU_TIME, EFFECTS))
 
-_INPUT_FACTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
-_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13]), (*INPUTS[3:6], *INPUTS[13:16]), ()
-_DRIVEN = "(needs lower_end.driven)"
-# of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
-_OUTPUT_FACTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
-    "top.force_x": ("N", "force of the cable on its attachment, x", 1e3, INPUTS),
-    "top.force_y": ("N", "force of the cable on its attachment, y", 1e3, INPUTS),
-    "top.force_z": ("N", "force of the cable on its attachment, z", 1e3, INPUTS),
-    "top.tension": ("N", "tension at the top", 1e3, INPUTS),
-    "top.declination": ("rad", "angle of the cable's top from straight down", 1.0, _PLACES),
-    "body.x": ("m", "position of the lower end, x", 100.0, _PLACES),
-    "body.y": ("m", "position of the lower end, y", 100.0, _PLACES),
-    "body.z": ("m", "position of the lower end, z", 100.0, _PLACES),
-    "body.vx": ("m/s", "velocity of the lower end, x", 1.0, _SPEEDS),
-    "body.vy": ("m/s", "velocity of the lower end, y", 1.0, _SPEEDS),
-    "body.vz": ("m/s", "velocity of the lower end, z", 1.0, _SPEEDS),
-    "body.tension": ("N", "tension at the lower end", 1e3, INPUTS),
-    "cable.tension_max": ("N", "largest tension along the cable", 1e3, INPUTS),
-    "cable.tension_min": ("N", "smallest tension along the cable", 1e3, INPUTS),
-    "cable.slack_fraction": ("1", "slack share of the cable's length", 1.0, _PLACES),
-    "solver.steps": ("1", "internal steps since initialization", 1e3, _NONE),
-    "solver.newton_iterations": ("1", "Newton iterations since initialization", 1e3, _NONE),
-    "solver.rejected_steps": ("1", "internal steps that were repeated", 10.0, _NONE),
-    CPU_TIME: ("s", "processor time spent in steps", 1.0, _NONE),
-    "top.force_mean_x": ("N", "force of the cable on its attachment, x: mean over the last communication step", 1e3, INPUTS),
-    "top.force_mean_y": ("N", "force of the cable on its attachment, y: mean over the last communication step", 1e3, INPUTS),
-    "top.force_mean_z": ("N", "force of the cable on its attachment, z: mean over the last communication step", 1e3, INPUTS),
-    "coupling.growth": (
-        "1/s",
-        "rate at which the exchange of force and motion with the host feeds a ringing of the force (0 = none)",
-        1.0,
-        _NONE,
-    ),
-    "audit.energy": (
-        "J",
-        "energy that nothing explains: gained since the start, less all work, plus what damping took (needs solver.audit)",
-        1.0,
-        _NONE,
-    ),
-    "audit.momentum": (
-        "N",
-        "force that changes the momentum and is no outer one: root mean square so far (needs solver.audit)",
-        1.0,
-        _NONE,
-    ),
-    "top.force_next_x": ("N", "force of the cable for a host to hold over the next communication step, x", 1e3, INPUTS),
-    "top.force_next_y": ("N", "force of the cable for a host to hold over the next communication step, y", 1e3, INPUTS),
-    "top.force_next_z": ("N", "force of the cable for a host to hold over the next communication step, z", 1e3, INPUTS),
-    **{f"lower.force_{axis}": ("N", f"force of the cable on what drives its lower end, {axis} {_DRIVEN}", 1e3, INPUTS) for axis in "xyz"},
-    **{
-        f"lower.force_mean_{axis}": (
-            "N",
-            f"force of the cable on what drives its lower end, {axis}: mean over the last communication step {_DRIVEN}",
-            1e3,
-            INPUTS,
-        )
-        for axis in "xyz"
-    },
-    "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
-}
-
 
 @dataclass(frozen=True)
 class Variable:
@@ -229,25 +168,14 @@ class Variable:
 
 
 def _input(scene: Scene, name: str) -> Variable:
-    if name == "winch.speed":
-        text = "speed at which the winch pays cable out (needs winch.fitted)"
-        return Variable(name, "input", "continuous", "Real", "m/s", text, 0.0, nominal=1.0)
-    end, _, key = name.partition(".")
-    kind, axis = key[:-1], key[-1]
-    unit, text = _INPUT_FACTS[kind]
-    start = getattr(scene, end).position["xyz".index(axis)] if not kind else 0.0
-    words = f"the top, {axis}" if end == "top" else f"the lower end, {axis} {_DRIVEN}"
-    return Variable(name, "input", "continuous", "Real", unit, text.format(words), start, nominal=1.0)
-
-
-def _shape_facts(name: str) -> tuple[str, str, float, tuple[str, ...]]:
-    of, _, number = name.removeprefix("shape.").rstrip("]").partition("[")
-    where = f"point {number} of {SHAPE_POINTS}, evenly along the unstretched cable from the lower end to the top"
-    return ("N", f"tension at {where}", 1e3, INPUTS) if of == "tension" else ("m", f"{of} of {where}", 100.0, _PLACES)
+    end, _, axis = name.partition(".")
+    start = getattr(scene, end).position["xyz".index(axis)] if axis in ("x", "y", "z") else 0.0
+    facts = facts_of(name)
+    return Variable(name, "input", "continuous", "Real", facts.unit, facts.description, start, nominal=facts.size)
 
 
 def _output(name: str) -> Variable:
-    unit, text, nominal, starts_from = _OUTPUT_FACTS[name] if name in _OUTPUT_FACTS else _shape_facts(name)
+    unit, text, nominal, starts_from = facts_of(name)
     return Variable(name, "output", "continuous", "Real", unit, text, nominal=nominal, starts_from=starts_from)
 
 
