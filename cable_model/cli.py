@@ -1,4 +1,4 @@
-"""The command line: run, plot, view, describe, compare, check; study, advise and sweep are in cli_studies, import in cli_import."""
+"""The command line: run, plot, view, describe, compare, check; cli_studies has study, advise and sweep, cli_import import, cli_new new."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 from rich.text import Text
 
-from cable_model import __version__, cli_import, cli_studies
+from cable_model import __version__, cli_import, cli_new, cli_studies
 from cable_model.cli_console import check_output, console, fail, load_scene, progress, say, warn, words_of
 from cable_model.comparison import Difference, compare, remarks
 from cable_model.errors import ParameterError, SolverError
@@ -27,7 +27,11 @@ from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simula
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 SceneArgument = Annotated[
-    str, typer.Argument(help="a scene file, or the name of a shipped scene: " + ", ".join(name for name in shipped() if "/" not in name))
+    str,
+    typer.Argument(
+        help=f"a scene file, or the name of a shipped scene: {', '.join(name for name in shipped() if '/' not in name)}; "
+        "`cable-fmu new` lists all"
+    ),
 ]
 
 
@@ -360,6 +364,7 @@ def holding(found: list[Difference], held: list[Difference], left: list[Differen
 for command in (cli_studies.study, cli_studies.advise, cli_studies.sweep):
     app.command()(command)
 app.command("import")(cli_import.import_deck)
+app.command()(cli_new.new)
 
 
 def guarded(commands: typer.Typer) -> None:

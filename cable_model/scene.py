@@ -70,7 +70,7 @@ def from_dict(values: Mapping[str, Any]) -> Scene:
 
 
 def shipped() -> dict[str, Path]:
-    """Names and files of the scenes that come with the package; the hard cases' begin with "hard/"."""
+    """Names and files of the scenes that come with the package; the hard cases' begin with "hard/", the examples' with "examples/"."""
     folder = Path(str(resources.files("cable_model"))) / "scenes"
     return {path.relative_to(folder).with_suffix("").as_posix(): path for path in sorted(folder.rglob("*.toml"))}
 

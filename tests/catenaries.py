@@ -18,8 +18,11 @@ def between_points(length: float, weight: float, stiffness: float, span: float, 
     return float(np.exp(logarithm)), float(v)
 
 
-def touchdown(length: float, weight: float, stiffness: float, span: float, rise: float) -> tuple[float, float]:
-    """Horizontal force, N, and suspended length, m, of a cable that comes to lie on a frictionless floor, where it is anchored."""
+def touchdown(length: float, weight: float, stiffness: float, span: float, rise: float, friction: float = 0.0) -> tuple[float, float]:
+    """Horizontal force, N, and suspended length, m, of a cable that comes to lie on a floor, where it is anchored.
+
+    Coulomb friction takes `friction` times the weight that lies there from the tension, of which something must be left at the anchor.
+    """
 
     def miss(s: float, pull: float) -> float:
         return pull / weight * (np.hypot(1.0, weight * s / pull) - 1.0) + weight * s * s / (2.0 * stiffness) - rise
@@ -29,7 +32,9 @@ def touchdown(length: float, weight: float, stiffness: float, span: float, rise:
 
     def across(pull: float) -> float:
         s = suspended(pull)
-        return pull / weight * np.arcsinh(weight * s / pull) + pull * s / stiffness + (length - s) * (1.0 + pull / stiffness)
+        lies = length - s
+        held = 0.5 * friction * weight * lies**2 / stiffness  # of the stretch
+        return pull / weight * np.arcsinh(weight * s / pull) + pull * s / stiffness + lies * (1.0 + pull / stiffness) - held
 
     least = 1e-6 * weight * rise
     most = brentq(lambda pull: miss(length, pull), least, 1e6 * weight * rise)  # where all of it hangs

@@ -117,7 +117,9 @@ class Instance:
         self.slave.exitInitializationMode()
 
     def set_inputs(self, inputs: Iterable[float]) -> None:
-        self.slave.setReal(self._inputs, [float(x) for x in inputs])
+        """The first inputs; the others stay, where fmpy alone would make them 0."""
+        given = [float(x) for x in inputs]
+        self.slave.setReal(self._inputs[: len(given)], given)
 
     def step(self, time: float, step: float, inputs: Iterable[float]) -> np.ndarray:
         self.set_inputs(inputs)

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from cable_model.cli import app
 from cable_model.comparison import compare, remarks
 from cable_model.errors import ParameterError
+from cable_model.scene import load, shipped
 from cable_model.simulation import read_csv, write_csv
 
 COLUMNS = ("time", "a", "b", "solver.steps")
@@ -133,6 +134,31 @@ def test_describe_lists_active_effects_and_unknowns(scene):
     assert done.exit_code == 0, done.output
     assert "26 nodes, 2 unknowns a node: 52 unknowns" in done.output
     assert "water.density" not in done.output
+
+
+@pytest.mark.parametrize(("name", "file"), [("umbilical", "umbilical"), ("examples/tow_line", "tow_line"), ("hard/snap", "snap")])
+def test_new_writes_a_copy_with_its_comments_that_is_the_same_scene(name, file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, ["new", name])
+    assert (done.exit_code, done.output) == (0, f"wrote {file}.toml\n")
+    source = next(path for path in shipped().values() if path.stem == file)
+    assert (tmp_path / f"{file}.toml").read_bytes() == source.read_bytes()
+    elsewhere = tmp_path / "mine" / "my.toml"
+    assert CliRunner().invoke(app, ["new", name, "-o", str(elsewhere)]).exit_code == 0
+    assert load(elsewhere) == load(source)
+
+
+def test_new_lists_every_scene_and_the_titles_of_those_to_begin_with():
+    done = CliRunner().invoke(app, ["new"], env={"COLUMNS": "200"})
+    assert done.exit_code == 0
+    assert all(name in done.output for name in shipped())
+    assert all(load(name).title in done.output for name in shipped() if not name.startswith("hard/"))
+
+
+def test_describe_knows_an_example_by_its_name():
+    done = CliRunner().invoke(app, ["describe", "examples/tow_line", "--model", "chain"])
+    assert done.exit_code == 0, done.output
+    assert load("examples/tow_line").title in done.output
 
 
 def test_a_bad_scene_ends_with_one_line_and_status_2(tmp_path):

@@ -123,6 +123,17 @@ def test_a_folder_is_no_output(scene, refused, tmp_path):
         assert refused("plot", scene, "-o", name).startswith(f"{name}: no name of a picture file. Give one that ends in one of .")
 
 
+def test_new_overwrites_nothing_and_names_the_nearest_scene(scene, refused, tmp_path):
+    told = refused("new", "umbilical", "-o", scene)
+    assert told == f"{scene}: is there already. Give another name with -o, or move it away."
+    assert scene.read_text(encoding="utf-8") == SCENE
+    assert refused("new", "umbilical", "-o", tmp_path) == f"{tmp_path}: is a folder. Give the name of a file."
+    assert refused("new", "umbilcal", "-o", tmp_path / "a.toml").startswith(
+        "umbilcal: unknown scene. Did you mean 'examples/umbilical'? Known: "
+    )
+    assert not (tmp_path / "a.toml").exists()
+
+
 def test_a_scene_that_cannot_begin_leaves_the_file_of_an_earlier_run(scene, refused, tmp_path):
     kept = tmp_path / "kept.csv"
     kept.write_text("what was there", encoding="utf-8")

@@ -5,11 +5,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+import tomllib
 import zipfile
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import pytest
+
+from cable_model.scene import shipped
 
 ROOT = Path(__file__).resolve().parent.parent
 RUN = "import sys; from fmu_src.command import main; print(sys.modules['fmu_src'].__file__); main()"
@@ -32,6 +35,12 @@ def test_nothing_but_the_laboratory_knows_the_laboratory():
                 assert "cable_model.lab" not in path.read_text(encoding="utf-8"), path
     for path in (ROOT / "tests").glob("*.py"):
         assert not re.search(r"(?m)^\s*(from|import) cable_model\.lab", path.read_text(encoding="utf-8")), path
+
+
+def test_scenes_of_every_folder_are_in_the_wheel():
+    given = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-data"]["cable_model"]
+    folders = {path.parent.relative_to(ROOT / "cable_model").as_posix() for path in shipped().values()}
+    assert {f"{folder}/*.toml" for folder in folders} == set(given)
 
 
 @pytest.mark.long
