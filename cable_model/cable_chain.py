@@ -22,7 +22,8 @@ class CableChain(Model):
         return chain
 
     def arc_lengths(self) -> np.ndarray:
-        cells = self.state[header.HEADER :][: 2 * (self._node_count() - 1) : 2]  # the mesh comes first in the state, see kernels.layout
+        columns = 2 if self.parts.sections is None else 3
+        cells = self.state[header.HEADER :][: columns * (self._node_count() - 1) : columns]  # the mesh comes first, see kernels.layout
         return np.concatenate(([0.0], np.cumsum(cells)))
 
     def _just_in_time(self) -> Calls:

@@ -5,6 +5,7 @@ They never change a number.  What must not happen at all is an error, see rules.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -20,6 +21,8 @@ from cable_model.simulated import is_on
 FEWEST_STEPS = 20  # a period: the phase of a second-order method of this family errs by (omega h)^2/12, here 0.8 %
 LONGEST_PHASE = 1.0  # rad of a wave in a cell: 26 graded nodes have it in the eighth mode of a hanging chain, whose frequency errs by 0.2 %
 SAME_BOTTOM = 0.01  # of the depth
+FEWEST_ROWS = 4  # of a table of motion
+SWING = 0.01  # of all that a table moves, between two rows that are alike
 FELT = 0.95  # of the velocity's variance in a sea: what its shortest waves add beyond it does not count
 
 
@@ -44,6 +47,8 @@ def forcing(scene: Any, axes: str = "xyz") -> float:
 def before_the_run(scene: Any) -> Iterator[str]:
     """What a scene alone makes doubtful; the kernels look at waves and steps."""
     yield from _two_bottoms(scene)
+    for end in ("top", "lower"):
+        yield from _swings_between_rows(f"{end}.table", getattr(scene, end).table)
     step, omega = min(scene.solver.time_step, scene.run.output_step), shaking(scene)
     if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
         period = 2.0 * math.pi / omega
@@ -51,6 +56,26 @@ def before_the_run(scene: Any) -> Iterator[str]:
             f"time step = {step:.3g} s under a forcing of {period:.3g} s: {period / step:.3g} steps a period leave errors of about "
             f"{100.0 * (omega * step) ** 2 / 12.0:.2g} % in phase. Set solver.time_step = {period / FEWEST_STEPS:.2g}, or solver.tolerance."
         )
+
+
+def _swings_between_rows(name: str, table: Sequence[Sequence[float]]) -> Iterator[str]:
+    """A table whose spline moves where two rows after one another say that nothing does."""
+    rows = np.array(table)
+    if len(rows) < FEWEST_ROWS or not np.all(np.diff(rows[:, 0]) > 0.0):
+        return  # motion.py refuses it
+    from scipy.interpolate import CubicSpline  # here only: FMUs do without scipy
+
+    spline, size = CubicSpline(rows[:, 0], rows[:, 1:]), float(np.ptp(rows[:, 1:], axis=0).max())
+    for before, after in itertools.pairwise(rows):
+        if np.array_equal(before[1:], after[1:]):
+            times = np.linspace(before[0], after[0], 9)
+            off = float(np.abs(spline(times) - before[1:]).max())
+            if off > SWING * size:
+                yield (
+                    f"{name} = {off:.3g} m off between rows that are alike at {before[0]:g} and {after[0]:g} s, of {size:.3g} m in all: "
+                    "the spline through sparse rows swings. Give more rows where the motion begins and ends, or ramps in place of it."
+                )
+                return
 
 
 def _two_bottoms(scene: Any) -> Iterator[str]:

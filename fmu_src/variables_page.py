@@ -63,6 +63,12 @@ def _shown(value: object) -> str:
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
+ROWS: dict[str, tuple[tuple[str, type], ...]] = {  # what tables of tables hold, after the part that has them
+    "cable": (("cable.section", parameters.Section), ("cable.body", parameters.LineBody)),
+    "top": (("top.motion", parameters.Motion),),
+}
+
+
 def scenes() -> str:
     """The values of scenes as a Markdown table."""
     lines = ["| name | unit | default | allowed | meaning |", "|---|---|---|---|---|"]
@@ -71,8 +77,8 @@ def scenes() -> str:
             lines += [f"| `{field.name}` | | | | {field.metadata['description']} |"]
             continue
         lines += _rows(f"{field.name}.", parameters.holder_of(field.name))
-        if field.name == "top":
-            lines += _rows("[[top.motion]] ", parameters.Motion)
+        for name, row in ROWS.get(field.name, ()):
+            lines += _rows(f"[[{name}]] ", row)
     return "\n".join(lines) + "\n"
 
 

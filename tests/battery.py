@@ -86,7 +86,13 @@ def unit_factor(unit: str, mass: float, length: float, time: float) -> float:
     return float(mass ** powers.get("kg", 0) * length ** powers.get("m", 0) * time ** powers.get("s", 0))
 
 
+def _of_fields(holder: Any, factors: tuple[float, float, float]) -> dict[str, Any]:
+    return {f.name: _scaled(getattr(holder, f.name), f.metadata["unit"], factors) for f in dataclasses.fields(holder)}
+
+
 def _scaled(value: Any, units: str, factors: tuple[float, float, float]) -> Any:
+    if isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]):
+        return tuple(dataclasses.replace(row, **_of_fields(row, factors)) for row in value)
     if isinstance(value, tuple):
         columns = units.split(", ")
         if value and isinstance(value[0], tuple):
@@ -116,11 +122,7 @@ def in_other_units(scene: Scene, mass: float, length: float, time: float) -> Sce
         usual = _without_use(part.name, holder)
         parts[part.name] = dataclasses.replace(
             holder,
-            **{
-                f.name: _scaled(getattr(holder, f.name), f.metadata["unit"], (mass, length, time))
-                for f in dataclasses.fields(holder)
-                if f.name not in usual
-            },
+            **{name: value for name, value in _of_fields(holder, (mass, length, time)).items() if name not in usual},
         )
     return dataclasses.replace(scene, **parts)
 

@@ -112,6 +112,17 @@ def test_the_forcing_of_a_sea_is_that_of_the_waves_which_move_water():
     assert share == pytest.approx(0.05, abs=0.01)
 
 
+def test_a_table_of_motion_that_swings_between_rows_that_are_alike_is_told():
+    """At rest for 40 s, by rows 20 s apart: the spline begins at 0.13 m/s and goes half a metre off."""
+    rest, after = [0.0, 20.0, 40.0], [(50.0, 2.5), (60.0, 7.5), (80.0, 17.5), (100.0, 27.5)]
+    sparse = [[time, 0.0, 0.0, 0.0] for time in rest] + [[time, x, 0.0, 0.0] for time, x in after]
+    (text,) = before_the_run(from_dict({**WIRE, "top": {"table": sparse}}))
+    assert re.fullmatch(FORM, text) and text.startswith("top.table = 0.")
+    assert "m off between rows that are alike at 0 and 20 s, of 27.5 m in all: " in text
+    close = [[time, 0.0, 0.0, 0.0] for time in np.arange(0.0, 40.0, 0.5)] + sparse[3:]
+    assert not list(before_the_run(from_dict({**WIRE, "top": {"table": [[0.0, 0.0, 0.0, 0.0], *close[36:]]}})))
+
+
 def test_cells_that_do_not_resolve_waves_along_and_across_are_told():
     scene = from_dict(swaying(0.5, nodes=11))
     texts = list(at_the_start(scene, "chain", outputs(500.0, 1500.0)))

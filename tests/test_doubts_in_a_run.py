@@ -152,6 +152,19 @@ def test_a_start_with_speed_along_a_cable_at_rest_is_told():
     assert not all_told(scene, inputs, steps=1)  # the straight cable moves with its top
 
 
+def test_a_start_with_speed_along_a_cable_that_weighs_little_in_water_is_told():
+    """A tenth of the speed of the test above, against a hundredth of its weight."""
+    share = 0.99 / 1025.0
+    base, inputs = heaving(0.1 / OMEGA)
+    light = {
+        "water.density": 1025.0, "water.surface": False, "cable.diameter": 0.01, "body.volume": share * base.body.mass,
+        "cable.volume_per_length": share * base.cable.mass_per_length,
+    }  # fmt: skip
+    assert not all_told(base, inputs, steps=1, kind=CableChain)
+    (text,) = all_told(with_values(base, light), inputs, steps=1, kind=CableChain)
+    assert text.startswith("an end starts at 0.1 m/s along a cable that is still at rest: a blow of some 122 N. ")
+
+
 @pytest.mark.parametrize(("speed", "doubtful"), [(0.4, False), (2.0, True)])
 def test_a_straight_cable_that_a_current_bends_is_told(speed: float, doubtful: bool):
     """The load across over 8 T: 0.6 rho d C_D u^2 L/(8 W) of the length."""

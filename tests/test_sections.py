@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -372,3 +373,17 @@ def test_a_value_of_the_whole_cable_cannot_be_changed_beside_its_sections():
         with_values(scene, {"cable.mass_per_length": 3.0})
     with pytest.raises(ParameterError, match=r"^cable\.mass_per_length = 3: must be 41\.25, that of its sections\."):
         dataclasses.replace(scene, cable=dataclasses.replace(scene.cable, mass_per_length=3.0))
+
+
+def test_arc_lengths_go_over_all_sections():
+    model = make({"cable": MOORINGS["chain and rope with a float above their joint"][0], "water": WET, "solver": {"nodes": 21}})
+    model.initialize(still()(0.0))
+    arcs = model.arc_lengths()
+    assert arcs[-1] == pytest.approx(350.0) and np.all(np.diff(arcs) > 0.0)
+    assert min(abs(arcs - 100.0)) < 1e-9 and min(abs(arcs - 140.0)) < 1e-9
+
+
+def test_the_scene_of_the_guide_is_one():
+    page = (Path(__file__).parents[1] / "docs" / "how_to" / "sections.md").read_text(encoding="utf-8")
+    scene = from_dict(tomllib.loads(page.split("```toml\n")[1].split("```")[0]))
+    assert len(scene.cable.section) == 2 and len(pieces(scene.cable)[0]) == 3

@@ -260,7 +260,7 @@ def watch_set_off(parts, p, state, along, outputs):
     if parts.anchor is None:
         mass += p[0].body.mass + max(p[0].body.added_mass, 0.0)
     blow = math.sqrt(cable.axial_stiffness / cable.length * mass) * abs(along)
-    if state[STEPS] == 0.0 and state[PENDING] == 0.0 and blow > KICK * max(outputs[12], mass * GRAVITY):
+    if state[STEPS] == 0.0 and state[PENDING] == 0.0 and blow > KICK * max(outputs[12], total_weight(parts, p)):
         note(state, BLOW, along, blow)
 
 
