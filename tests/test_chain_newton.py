@@ -106,7 +106,16 @@ GROUND = {
     "seabed__level": -1.8, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4, "seabed__friction_displacement": 1e-2,
     "seabed__friction_velocity": 3.0,
 }  # fmt: skip
+JOINTS = {
+    "cable__section": [
+        {"length": 0.7, "mass_per_length": 0.3, "axial_stiffness": 4e4, "diameter": 0.03, "bending_stiffness": 3e-3},
+        {"length": 1.05},
+    ],
+    "cable__body": [{"at": 0.7, "mass": 0.2, "volume": 1e-4, "drag_area": 1e-3, "added_mass": 0.1}, {"at": 1.2, "mass": 0.1}],
+}  # fmt: skip
 SCENES = {
+    "sections and bodies, current": (WET, {**JOINTS, "waves__amplitude": 0.0}),
+    "sections and bodies on a seabed with friction, in space": (PLAIN, {**JOINTS, **GROUND, "solver__space": True}),
     "plane": (PLAIN, {}),
     "plane, compressible": (PLAIN, {"cable__compressible": True}),
     "plane, bending, body, current, waves": (WET, {}),
@@ -196,7 +205,7 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
     while len(sizes) < 25 and (not sizes or sizes[-1] > 1e-11):
         step.assemble(v1, force)
         step.solve()
-        _update_tensions(parts.slack, step.problem.numeric, step.now.mesh, s.cells)
+        _update_tensions(parts.slack, parts, step.problem, step.now.mesh, s.cells)
         contacts = step.contacts
         seabed.update_contacts(parts.seabed, parts.friction, step.problem.ground, step.gains, step.now.mesh, s.x, step.top, s.contact)
         step.contacts = s.contact[:, seabed.FORCE].copy()

@@ -19,7 +19,8 @@ from fmu_src.model_description import base_units, least
 
 ROOT = Path(__file__).resolve().parent.parent
 NOT_IN_FMUS = {
-    "cable.stiffness_curve", "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
+    "cable.stiffness_curve", "cable.section", "cable.body",
+    "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
     "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent",
     "winch.speeds", "current.levels", "top.position", "top.motion", "top.table",
     "lower.position", "lower.motion", "lower.table", "run.duration", "run.output_step", "run.model",
