@@ -166,6 +166,34 @@ def test_a_fixed_point_over_a_free_one_is_the_top_and_a_deep_seabed_is_left_out(
     assert "left out: the seabed at z = -900 m: it lies deeper than 2 lengths below the top" in told
 
 
+JOINED = (  # a chain from the anchor, point 3, to the body, and the rope to the top
+    ("rope.dat|2e6|0.4", "1e6             "),
+    ("spare   0.05   2.5      1e6                1e4 ", "spare   0.08   40       9e7                -0.5"),
+    (
+        "1     rope   1         2         400        80        -",
+        "1     rope   1         2         400        80        -\n7     spare  2         3         250        20        t",
+    ),
+)
+
+
+@pytest.mark.parametrize("number", [None, 1, 7])
+def test_lines_that_meet_at_a_free_point_are_sections_with_its_body_between_them(changed, number):
+    """Whichever of them is named, from the lower end to the top."""
+    scene, told = changed("lowered", JOINED, number)
+    chain, rope = scene.cable.section
+    assert (chain.length, chain.mass_per_length, chain.diameter, chain.axial_stiffness) == (250.0, 40.0, 0.08, 9e7)
+    assert chain.axial_damping == pytest.approx(0.5 * 250.0 / 20 * math.sqrt(9e7 * 40.0))
+    assert (rope.length, rope.axial_stiffness, rope.bending_stiffness, rope.added_mass_coefficient) == (400.0, 1e6, 3.5, 1.1)
+    (body,) = scene.cable.body
+    assert (body.at, body.mass, body.volume, body.drag_area, body.added_mass) == (250.0, 5000.0, 0.6, 2.5, 0.5 * 1000.0 * 0.6)
+    assert scene.lower_end.anchored and scene.lower_end.z == -600.0 and scene.top.position == (3.0, 4.0, 5.0)
+    assert scene.solver.nodes == 101 and scene.source == "MoorDyn input file lines.txt, lines 7, 1"
+    assert "left out: force on point 2: a body feels weight, water and cable alone here" in told
+    assert "changed: output AnchTen1: its name here is top.tension" in told
+    assert "left out: output FairTen1: every run has the outputs of docs/fmu_variables.md" in told
+    assert not any("with their types and points" in text or "line type" in text for text in told)
+
+
 HUNG = "1     rope   1         2         400        80        -"
 WRONG = [
     ("oc3_hywind", (), None, "lines.txt: has the lines 1, 2, 3. Name one with --line."),
@@ -201,8 +229,8 @@ WRONG = [
         "Write Coupled at the end that a host moves.",
     ),
     (
-        "lowered", ((HUNG, HUNG + "\n" + HUNG.replace("1     rope   1", "2     rope   3")),), 1,
-        "lines.txt, row 19: point 2 is free and holds the lines 1, 2: must hold one. Make it fixed or coupled, or one line of them.",
+        "lowered", ((HUNG, HUNG + "\n" + HUNG.replace("1     rope   1", "2     rope   3") + "\n" + HUNG.replace("1 ", "4 ", 1)),), 1,
+        "lines.txt, row 19: point 2 is free and holds the lines 1, 2, 4: must hold two at most. Make it fixed or coupled.",
     ),
     ("lowered", (("-390   5000", "-390   0"),), None,
      "lines.txt, line 1: body.mass = 0 kg: must be > 0 for a body with volume, drag area or added mass. "
@@ -225,6 +253,10 @@ WRONG = [
     (
         "lowered", (("spare ", "rope  "),), None,
         "lines.txt, row 6: line type 'rope' stands twice in its section. Give each its own name.",
+    ),
+    (
+        "lowered", JOINED[1:], None,
+        "lines.txt, row 5: EA is a table: must be a number where lines hang together. Give the stiffness at the mean tension.",
     ),
     ("lowered", ((HUNG, ""),), None, "lines.txt: nothing in section LINES. Give a whole MoorDyn v2 input file."),
     ("lowered", (("0.2      dtOut", "-2 kBot"),), None, "lines.txt, row 31: kBot = -2: must be >= 0. Mend it."),
