@@ -129,6 +129,8 @@ def _beyond_defaults(part: Any) -> dict[str, Any]:
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """A copy of the scene with values replaced by dotted name, such as {"cable.length": 20.0}; checked like a file."""
     tables = dataclasses.asdict(scene)
+    if scene.cable.section:
+        tables["cable"] = {name: value for name, value in tables["cable"].items() if name not in (*SHARED, "length")}  # its sections'
     for name, value in values.items():
         part, _, key = name.partition(".")
         if part not in tables or not key:

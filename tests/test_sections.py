@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from chain_support import Motion, drive, every, make, still, view
+from chain_support import Motion, drive, every, make, still, swing, view
 from driven_support import OTHER_WAY_ROUND, about, inputs, run
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
@@ -369,6 +370,7 @@ def test_tow_cable_refuses_sections():
 def test_a_value_of_the_whole_cable_cannot_be_changed_beside_its_sections():
     scene = from_dict({"cable": {"section": [CHAIN, ROPE]}})
     assert with_values(scene, {"solver.nodes": 31}).cable == scene.cable
+    assert with_values(scene, {"cable.section": [CHAIN]}).cable.length == CHAIN["length"]
     with pytest.raises(ParameterError, match=r"^cable\.mass_per_length: every section has its own"):
         with_values(scene, {"cable.mass_per_length": 3.0})
     with pytest.raises(ParameterError, match=r"^cable\.mass_per_length = 3: must be 41\.25, that of its sections\."):
@@ -387,3 +389,57 @@ def test_the_scene_of_the_guide_is_one():
     page = (Path(__file__).parents[1] / "docs" / "how_to" / "sections.md").read_text(encoding="utf-8")
     scene = from_dict(tomllib.loads(page.split("```toml\n")[1].split("```")[0]))
     assert len(scene.cable.section) == 2 and len(pieces(scene.cable)[0]) == 3
+
+
+def two_segments(lengths, bodies, top: Motion, times: np.ndarray) -> np.ndarray:
+    """Places (times, 2, 2), x and z, of bodies on two straight massless segments under a moved top, from rest straight down.
+
+    By Lagrange with the angles theta of both segments from straight down: r_i = r_top + sum_(j <= i) l_j (sin theta_j, -cos theta_j), and
+    sum_i (m_i + m_a,i) a_i . dr_i/dtheta_j = sum_i F_i . dr_i/dtheta_j with weight in water and drag of each body in water at rest.
+    """
+    masses = np.array([body["mass"] + body["added_mass"] for body in bodies])
+    drags = np.array([0.5 * DENSITY * body["drag_area"] for body in bodies])
+    loads = np.array([-(body["mass"] - DENSITY * body["volume"]) * GRAVITY for body in bodies])
+
+    def along(theta: np.ndarray) -> np.ndarray:
+        """l_j (cos theta_j, sin theta_j): derivatives of all places below joint j."""
+        return lengths[:, None] * np.column_stack((np.cos(theta), np.sin(theta)))
+
+    def rates(t: float, state: np.ndarray) -> np.ndarray:
+        theta, omega = state[:2], state[2:]
+        at = top(t)
+        turn, toward = along(theta), lengths[:, None] * np.column_stack((-np.sin(theta), np.cos(theta)))
+        matrix, right = np.zeros((2, 2)), np.zeros(2)
+        for i in range(2):
+            v = at[[3, 5]] + omega[: i + 1] @ turn[: i + 1]
+            force = -drags[i] * np.linalg.norm(v) * v + (0.0, loads[i])
+            force = force - masses[i] * (at[[6, 8]] + omega[: i + 1] ** 2 @ toward[: i + 1])
+            for j in range(i + 1):
+                right[j] += force @ turn[j]
+                for k in range(i + 1):
+                    matrix[j, k] += masses[i] * turn[j] @ turn[k]
+        return np.concatenate([omega, np.linalg.solve(matrix, right)])
+
+    angles = solve_ivp(rates, (0.0, times[-1]), np.zeros(4), t_eval=times, rtol=1e-9, atol=1e-12).y[:2].T
+    steps = lengths[None, :, None] * np.stack((np.sin(angles), -np.cos(angles)), axis=-1)
+    return np.array([top(t)[[0, 2]] for t in times])[:, None, :] + np.cumsum(steps, axis=1)
+
+
+def test_a_body_at_mid_length_swings_as_the_lower_of_two_segments_says():
+    """Wang's own next step from two degrees of freedom: a body along the cable."""
+    upper = {"mass": 120.0, "volume": 0.02, "drag_area": 0.2, "added_mass": 10.0}
+    lower = {"mass": 300.0, "volume": 0.1, "drag_area": 0.4, "added_mass": 60.0}
+    base = {
+        "cable": {"length": 50.0, "mass_per_length": 1e-4, "axial_stiffness": 1e8, "diameter": 1e-5, "body": [{"at": 30.0, **upper}]},
+        "body": lower, "water": WET, "solver": {"nodes": 5, "time_step": 0.01, "slack_damping": 0.0},
+    }  # fmt: skip
+    top, times = swing((3.0, 0.0, 0.5), 0.6, ramp_time=6.0), every(0.01, 40.0)
+    model = make(base)
+    model.initialize(top(0.0))
+    places = [model.positions()[[2, 0]][:, [0, 2]]]
+    for before, after in itertools.pairwise(times):
+        model.advance(before, after - before, top(before), top(after))
+        places.append(model.positions()[[2, 0]][:, [0, 2]])
+    right = two_segments(np.array([20.0, 30.0]), (upper, lower), top, times)
+    size = np.ptp(right[:, 1, 0])
+    assert size > 2.0 and np.abs(np.array(places) - right).max() < 1e-3 * size

@@ -10,6 +10,7 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
+from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import axpy, dot, load, mix
 
 
@@ -276,6 +277,19 @@ lead_on = by_presence(_staggered_lead, _box_lead)  # the state and its rates som
 
 
 @kernel
+def _no_strain(sections, p, mesh, i, tension, strain):
+    return strain
+
+
+@kernel
+def _strain_of_cell(sections, p, mesh, i, tension, strain):
+    return max(strain, tension / made_of(sections, p, mesh, i).axial_stiffness)
+
+
+_larger_strain = by_presence(_no_strain, _strain_of_cell)
+
+
+@kernel
 def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, winding, time):
     mesh = view.mesh
     n = mesh.shape[0] + 1
@@ -286,6 +300,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
             view.scratch.a[i, k] = view.yd[n + i, k] - offset * view.ydd[n + i, k]
     staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, ahead, top, view.scratch.cells)
     largest = 0.0
+    strain = 0.0
     smallest = 1e300
     slack = 0.0
     length = 0.0
@@ -293,6 +308,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     for i in range(n - 2, -1, -1):
         t = staggered_chain.axial_force(parts, problem, mesh, view.y, i, top, view.scratch)
         largest = max(largest, t)
+        strain = _larger_strain(parts.sections, problem.numbers, mesh, i, t, strain)
         smallest = min(smallest, t)
         if t < 1e-3 * total_weight(parts, p):
             slack += mesh[i, 0]
@@ -303,7 +319,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     tensions = staggered_chain.end_tensions(
         parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
     )  # fmt: skip
-    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length
+    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length, strain
 
 
 @kernel
@@ -311,9 +327,9 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
     force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
         parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
     )
-    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack
+    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack, 0.0
 
 
-# forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share;
-# the box grid has those of its top, but the lower end's tension
+# forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share,
+# and with sections the largest strain; the box grid has those of its top, but the lower end's tension
 measure = by_presence(_staggered_measure, _box_measure)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 
-LENGTH, MASS, STIFFNESS, AREA = 0, 2, 3, 9  # columns of the table
+LENGTH, MASS, AREA = 0, 2, 9  # columns of the table
 SECTION = 2  # column of the mesh
 
 
@@ -64,14 +64,3 @@ def sizes_of_weights(sections, density, gravity):
     for k in range(sections.shape[0]):
         total += abs(sections[k, MASS] - density * sections[k, AREA]) * gravity * sections[k, LENGTH]
     return total
-
-
-@kernel
-def softest(sections, p):
-    """The least axial stiffness along the cable, N."""
-    if sections is None:
-        return p[0].cable.axial_stiffness
-    least = sections[0, STIFFNESS]
-    for k in range(1, sections.shape[0]):
-        least = min(least, sections[k, STIFFNESS])
-    return least

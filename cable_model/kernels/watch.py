@@ -12,7 +12,6 @@ from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
-from cable_model.kernels.sections import softest
 from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
@@ -278,8 +277,8 @@ def _watch_ends(parts, p, state, lower):
 
 
 @kernel
-def watch_outputs(parts, p, state, outputs):
-    """Look at the outputs, in the order of signals.OUTPUTS, that a state has."""
+def watch_outputs(parts, p, state, outputs, strain=0.0):
+    """Look at the outputs, in the order of signals.OUTPUTS, that a state has; `strain`: the largest of a cable with sections."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
         _watch_waves(parts.waves, state)
@@ -296,9 +295,10 @@ def watch_outputs(parts, p, state, outputs):
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
         note(state, BELOW, lower_z, -depth)
-    soft = softest(parts.sections, p)
-    if parts.inextensible is None and parts.curve is None and outputs[12] > LARGEST_STRAIN * soft:
-        note(state, STRAIN, outputs[12] / soft, outputs[12])
+    if parts.sections is None:
+        strain = outputs[12] / p[0].cable.axial_stiffness
+    if parts.inextensible is None and parts.curve is None and strain > LARGEST_STRAIN:
+        note(state, STRAIN, strain, outputs[12])
 
 
 @kernel

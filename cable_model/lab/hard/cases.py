@@ -194,6 +194,23 @@ LET_GO = (
     loop(1e-8, FREE, judged=False, refined=False),  # what it bends over is finer than its cells, which lose length as it falls slack
 )
 
+
+GENTLE = {"top.motion": [{"kind": "sinusoid", "axis": axis, "amplitude": 0.2, "period": 5.0, "ramp_time": 5.0} for axis in "xz"]}
+
+
+def beads(power: int, more: Changes | None = None) -> Variant:
+    """A bead of 10^power times the line's 522 kg, above it steel as much stiffer as it then carries."""
+    share = 10.0**power
+    sections = [
+        {"length": 10.0, "mass_per_length": 27.0, "axial_stiffness": 5e7, "diameter": 0.04},
+        {"length": 40.0, "mass_per_length": 0.3, "axial_stiffness": 5e4, "diameter": 0.02},
+        {"length": 80.0, "mass_per_length": 3.0, "axial_stiffness": 5e7 * (1.0 + share), "diameter": 0.025},
+    ]
+    return Variant(
+        f"bead/line {share:.0e}", {"cable.section": sections, "cable.body": [{"at": 50.0, "mass": 522.0 * share}], **(more or {})}
+    )
+
+
 CASES = (
     Case("H1", "hard/collapse", (*COLLAPSE, *FAMILY, *BOX), chaos=2.0, statistics=240.0, reference=FINE),
     Case("H2", "hard/impulsive_start", (Variant("lambda -0.5"), *FAMILY, *BOX), chaos=1.5, statistics=240.0, reference=FINE),
@@ -219,4 +236,6 @@ CASES = (
     Case("H19 tow", "hard/two_ships", SNAPS[:3], check="peaks"),
     Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
     Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),
+    Case("H22", "hard/sections", tuple(beads(power) for power in (-3, -1, 0, 1, 3)), chaos=6.0),
+    Case("H22 gently", "hard/sections", tuple(beads(power, GENTLE) for power in (-3, 0, 3))),
 )
