@@ -99,7 +99,8 @@ def _weight(scene: Scene) -> float:
     """Force scale W, N: weights in the medium of cable and body."""
     density = scene.water.density if scene.water is not None else 0.0
     cable = (scene.cable.mass_per_length - density * scene.cable.displaced_area) * scene.cable.length
-    return (abs(cable) + abs(scene.body.mass - density * scene.body.volume)) * scene.environment.gravity
+    bodies = sum(abs(body.mass - density * body.volume) for body in (scene.body, *scene.cable.body))
+    return (abs(cable) + bodies) * scene.environment.gravity
 
 
 def record(scene: Scene, step: float | None = None, duration: float | None = None, watch: bool = True) -> Record:
