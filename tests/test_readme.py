@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from cable_model.cli import app
 from fmu_src.variables_page import PAGES, replaced
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -30,3 +31,32 @@ def test_the_test_command_is_found_by_ci():
     assert marked is not None
     assert marked[1].endswith("-m pytest -q -n 2")
     assert "test command" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+
+
+PAGES_OF_TEXT = sorted(path for path in (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")))
+
+
+def anchors(page: str) -> set[str]:
+    """Of the headings of a page, as they are made where the repository is shown."""
+    heads = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", page, flags=re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("path", PAGES_OF_TEXT, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_no_link_of_a_page_is_dead(path):
+    page = re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for target in re.findall(r"\]\(([^)\s]+)\)", page):
+        if target.startswith(("http://", "https://")):
+            continue
+        name, _, anchor = target.partition("#")
+        other = (path.parent / name).resolve() if name else path
+        assert other.exists(), target
+        if anchor:
+            assert anchor in anchors(other.read_text(encoding="utf-8")), target
+
+
+def test_the_readme_is_read_in_a_minute_and_every_command_it_names_is_one():
+    assert len(README.splitlines()) <= 120
+    known = {command.name or command.callback.__name__ for command in app.registered_commands}
+    named = set(re.findall(r"cable-fmu ([a-z]+)", README + (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")))
+    assert named <= known | {"build"}, named - known
