@@ -22,7 +22,7 @@ from cable_model.models import MODELS
 from cable_model.motion import MotionLike, motion_of
 from cable_model.result_files import check_profiles, check_results, is_netcdf, write_netcdf, write_profiles
 from cable_model.scene import Scene, shipped, with_values
-from cable_model.simulated import effects, left_out_for, refused_by, unknowns_per_node
+from cable_model.simulated import effects, left_out_for, refused_by, refused_for_good, unknowns_per_node
 from cable_model.simulation import CsvRows, Result, RunStopped, read_csv, simulate, write_csv
 
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
@@ -80,12 +80,12 @@ def _models_with_scenes(choice: Choice | None, scene: Scene) -> dict[str, Scene]
         return dict.fromkeys(_models(choice, scene), scene)
     found = {}
     for name in MODELS:
-        words, changes = left_out_for(scene, name)
-        lean = with_values(scene, changes) if changes else scene
-        refused = next(refused_by(lean, name), None)
+        refused = next(refused_for_good(scene, name), None)
         if refused is not None:
             say(f"{type_name(name)} is left out: {refused}")
             continue
+        words, changes = left_out_for(scene, name)
+        lean = with_values(scene, changes) if changes else scene
         if words:
             say(f"{type_name(name)} goes without {', '.join(words)}")
         found[name] = lean

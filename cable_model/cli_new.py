@@ -24,6 +24,8 @@ def new(
     ] = None,
 ) -> None:
     """Write a copy of a shipped scene, comments included, to make your own of; without a name, list them with their titles."""
+    if name is None and output is not None:
+        raise ParameterError(f"{output}: of which scene? Name one before -o; `cable-fmu new` lists them.")
     if name is None:
         _list()
         return

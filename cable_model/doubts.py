@@ -47,8 +47,6 @@ def forcing(scene: Any, axes: str = "xyz") -> float:
 def before_the_run(scene: Any) -> Iterator[str]:
     """What a scene alone makes doubtful; the kernels look at waves and steps."""
     yield from _two_bottoms(scene)
-    for end in ("top", "lower"):
-        yield from _swings_between_rows(f"{end}.table", getattr(scene, end).table)
     step, omega = min(scene.solver.time_step, scene.run.output_step), shaking(scene)
     if omega * step * FEWEST_STEPS > 2.0 * math.pi and scene.solver.tolerance == 0.0:
         period = 2.0 * math.pi / omega
@@ -63,7 +61,7 @@ def _swings_between_rows(name: str, table: Sequence[Sequence[float]]) -> Iterato
     rows = np.array(table)
     if len(rows) < FEWEST_ROWS or not np.all(np.diff(rows[:, 0]) > 0.0):
         return  # motion.py refuses it
-    from scipy.interpolate import CubicSpline  # here only: FMUs do without scipy
+    from scipy.interpolate import CubicSpline  # here only: FMUs, which no table moves, do without scipy
 
     spline, size = CubicSpline(rows[:, 0], rows[:, 1:]), float(np.ptp(rows[:, 1:], axis=0).max())
     for before, after in itertools.pairwise(rows):
@@ -90,12 +88,14 @@ def _two_bottoms(scene: Any) -> Iterator[str]:
 
 
 def under_a_given_motion(scene: Any) -> Iterator[str]:
-    """What a run makes nothing of, as its motion of the top is known ahead."""
+    """What a run makes nothing of, as its motion of the top is known ahead, and what is doubtful about that motion."""
     if scene.host.mass > 0.0:
         yield (
             f"host.mass = {scene.host.mass:g} kg in a run whose top moves as the scene says: it changes nothing. "
             "Set host.mass = 0, or couple the host that has it by the FMU."
         )
+    for end in ("top", "lower"):
+        yield from _swings_between_rows(f"{end}.table", getattr(scene, end).table)
 
 
 def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[str]:

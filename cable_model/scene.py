@@ -133,6 +133,8 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         tables["cable"] = {name: value for name, value in tables["cable"].items() if name not in (*SHARED, "length")}  # its sections'
     for name, value in values.items():
         part, _, key = name.partition(".")
+        if part == "cable" and scene.cable.section and key in (*SHARED, "length"):
+            raise ParameterError(f"{name}: is of the cable's sections in this scene. Give cable.section, or a scene without sections.")
         if part not in tables or not key:
             raise unknown(name, [f"{k}.{f}" for k, t in tables.items() if isinstance(t, dict) for f in t])
         if tables[part] is None:

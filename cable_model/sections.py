@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from cable_model.errors import ParameterError, refuse
+from cable_model.kernels.header import CELLS_OF_A_SECTION
 from cable_model.parameters import Cable, Section
 from cable_model.quantity import build
 
 SHARED = tuple(field.name for field in dataclasses.fields(Section) if field.name != "length")
 CLOSE = 1e-9  # of a value: what it may differ by from that of the sections, which is summed
-LEAST_CELLS = 2  # of a section
+SAME_PLACE = 1e-6  # of the length: bodies nearer to one another, or to a joint, are in one place
 
 
 def whole(sections: Sequence[Section]) -> dict[str, float]:
@@ -54,11 +55,11 @@ def joined(cable: Mapping[str, Any]) -> dict[str, Any]:
     given = cable["section"]
     if not isinstance(given, list | tuple):
         raise refuse("cable.section", given, "", "a list of tables", "Write each as [[cable.section]].")
-    rows = [row if isinstance(row, dict) else dataclasses.asdict(row) if isinstance(row, Section) else row for row in given]
+    rows = [dataclasses.asdict(row) if isinstance(row, Section) else row for row in given]
     common = {name: cable[name] for name in SHARED if name in cable}
     sections = [
-        row if not isinstance(row, dict) else build(Section, {**common, **row}, f"cable.section[{k}]") for k, row in enumerate(rows)
-    ]
+        build(Section, {**common, **row} if isinstance(row, dict) else row, f"cable.section[{k}]") for k, row in enumerate(rows)
+    ]  # fmt: skip
     of_all = whole(sections)
     for name, value in common.items():
         if all(name in row for row in rows) and not _close(value, of_all[name]):
@@ -82,15 +83,20 @@ def pieces(cable: Cable) -> tuple[list[Section], list[int]]:
     for at in [*sorted({body.at for body in cable.body}), math.inf]:
         while left:
             rest = at - joints[-1]
-            if rest <= CLOSE * cable.length:
+            if rest <= SAME_PLACE * cable.length:
                 break
             piece = left.pop(0)
-            if piece.length - rest > CLOSE * cable.length:
+            if piece.length - rest > SAME_PLACE * cable.length:
                 left.insert(0, dataclasses.replace(piece, length=piece.length - rest))
                 piece = dataclasses.replace(piece, length=rest)
             made.append(piece)
             joints.append(joints[-1] + piece.length)
     return made, [int(np.argmin(np.abs(np.array(joints) - body.at))) for body in cable.body]
+
+
+def fewest_cells(cable: Cable) -> int:
+    """Cells that a chain needs for the cable's joints and bodies."""
+    return CELLS_OF_A_SECTION * len(pieces(cable)[0]) if cable.section or cable.body else 1
 
 
 def check(cable: Cable, nodes: int, meets: bool) -> None:
@@ -100,11 +106,11 @@ def check(cable: Cable, nodes: int, meets: bool) -> None:
             if not _close(getattr(cable, name), value):
                 raise refuse(f"cable.{name}", getattr(cable, name), "", f"{value:g}, that of its sections", "Change the sections.")
     for k, body in enumerate(cable.body):
-        if not CLOSE * cable.length < body.at < (1.0 - CLOSE) * cable.length:
+        if not SAME_PLACE * cable.length < body.at < (1.0 - SAME_PLACE) * cable.length:
             raise refuse(f"cable.body[{k}].at", body.at, "m", f"between 0 and cable.length = {cable.length:g}", "An end's is in [body].")
-    count = len(pieces(cable)[0]) if cable.section or cable.body else 1
-    least = LEAST_CELLS * count + 1
-    if count > 1 and nodes < least:
+    least = fewest_cells(cable) + 1
+    if nodes < least:
+        count = len(pieces(cable)[0])
         raise refuse("solver.nodes", nodes, "", f">= {least} with {count} lengths of cable between joints and bodies", "Give more nodes.")
     for k, section in enumerate(cable.section):
         if meets and section.diameter == 0.0:

@@ -143,6 +143,13 @@ def refused_by(scene: Any, model: str) -> Iterator[ParameterError]:
         yield _refusal(effect, scene, f"for {TYPES[model]}", f"Use {TYPES[effect.models[0]]}.")
 
 
+def refused_for_good(scene: Any, model: str) -> Iterator[ParameterError]:
+    """Those of them that no scene makes sense without."""
+    for effect in lacking(scene, model):
+        if not effect.left_out:
+            yield _refusal(effect, scene, f"for {TYPES[model]}", f"Use {TYPES[effect.models[0]]}.")
+
+
 def left_out_for(scene: Any, model: str) -> tuple[list[str], dict[str, Any]]:
     """Words of the effects that a scene must leave out for a model and can, and the values, by dotted name, that leave them out."""
     effects = [effect for effect in lacking(scene, model) if effect.left_out]

@@ -58,7 +58,14 @@ def scenes(draw: st.DrawFn) -> tuple[str, Scene]:
     for name in VARIED:
         own = values.get(name, value_of(scene, name))
         values[name] = own * 2.0 ** draw(st.floats(-2.0, 2.0, width=32))
-    values["solver.nodes"] = draw(st.integers(3, 6))
+    joints = "cable.section" in values or "cable.body" in values
+    if "cable.section" in values:
+        for name in ("cable.length", "cable.mass_per_length"):  # its sections'
+            values.pop(name)
+    if "cable.body" in values:
+        at = values["cable.body"][0]["at"] * values.get("cable.length", value_of(scene, "cable.length")) / value_of(scene, "cable.length")
+        values["cable.body"] = [{**values["cable.body"][0], "at": at}]
+    values["solver.nodes"] = draw(st.integers(7, 9) if joints else st.integers(3, 6))
     values["solver.grading"] = draw(st.sampled_from([0.0, 1.0, 2.0]))
     values["solver.lambda_infinity"] = draw(st.sampled_from([-0.9, -0.5, 0.0]))
     values["top.motion_order"] = draw(st.integers(0, 2))

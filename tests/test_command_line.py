@@ -149,10 +149,10 @@ def test_new_writes_a_copy_with_its_comments_that_is_the_same_scene(name, file, 
 
 
 def test_new_lists_every_scene_and_the_titles_of_those_to_begin_with():
-    done = CliRunner().invoke(app, ["new"], env={"COLUMNS": "200"})
-    assert done.exit_code == 0
-    assert all(name in done.output for name in shipped())
-    assert all(load(name).title in done.output for name in shipped() if not name.startswith("hard/"))
+    command = [sys.executable, "-m", "cable_model", "new"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"})
+    assert all(name in done.stdout for name in shipped())
+    assert all(load(name).title in done.stdout for name in shipped() if not name.startswith("hard/"))
 
 
 def test_describe_knows_an_example_by_its_name():

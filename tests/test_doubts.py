@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from cable_model import CableChain, TowCable, load, simulate
 from cable_model.cli import app
-from cable_model.doubts import FEWEST_STEPS, at_the_start, before_the_run, forcing, seen
+from cable_model.doubts import FEWEST_STEPS, at_the_start, before_the_run, forcing, seen, under_a_given_motion
 from cable_model.kernels.jit import for_kernels
 from cable_model.kernels.watch import watch_outputs
 from cable_model.model import Model
@@ -116,11 +116,12 @@ def test_a_table_of_motion_that_swings_between_rows_that_are_alike_is_told():
     """At rest for 40 s, by rows 20 s apart: the spline begins at 0.13 m/s and goes half a metre off."""
     rest, after = [0.0, 20.0, 40.0], [(50.0, 2.5), (60.0, 7.5), (80.0, 17.5), (100.0, 27.5)]
     sparse = [[time, 0.0, 0.0, 0.0] for time in rest] + [[time, x, 0.0, 0.0] for time, x in after]
-    (text,) = before_the_run(from_dict({**WIRE, "top": {"table": sparse}}))
+    (text,) = under_a_given_motion(from_dict({**WIRE, "top": {"table": sparse}}))
     assert re.fullmatch(FORM, text) and text.startswith("top.table = 0.")
     assert "m off between rows that are alike at 0 and 20 s, of 27.5 m in all: " in text
     close = [[time, 0.0, 0.0, 0.0] for time in np.arange(0.0, 40.0, 0.5)] + sparse[3:]
-    assert not list(before_the_run(from_dict({**WIRE, "top": {"table": [[0.0, 0.0, 0.0, 0.0], *close[36:]]}})))
+    assert not list(under_a_given_motion(from_dict({**WIRE, "top": {"table": [[0.0, 0.0, 0.0, 0.0], *close[36:]]}})))
+    assert not list(before_the_run(from_dict({**WIRE, "top": {"table": sparse}})))  # a host moves the top of an FMU
 
 
 def test_cells_that_do_not_resolve_waves_along_and_across_are_told():

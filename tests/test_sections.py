@@ -351,6 +351,7 @@ WRONG = [
         {**TWO, "stiffness_curve": [[0.0, 0.0], [0.1, 1e5]]}, {},
         "cable.stiffness_curve = 2 rows: must be empty beside sections or bodies on the cable. Give axial_stiffness.",
     ),
+    ({"section": [CHAIN, 3]}, {}, "cable.section[1] = 3: must be a table. "),
     ({"section": 3}, {}, "cable.section = 3: must be a list of tables. Write each as [[cable.section]]."),
 ]  # fmt: skip
 
@@ -371,7 +372,7 @@ def test_a_value_of_the_whole_cable_cannot_be_changed_beside_its_sections():
     scene = from_dict({"cable": {"section": [CHAIN, ROPE]}})
     assert with_values(scene, {"solver.nodes": 31}).cable == scene.cable
     assert with_values(scene, {"cable.section": [CHAIN]}).cable.length == CHAIN["length"]
-    with pytest.raises(ParameterError, match=r"^cable\.mass_per_length: every section has its own"):
+    with pytest.raises(ParameterError, match=r"^cable\.mass_per_length: is of the cable's sections in this scene\. Give cable\.section"):
         with_values(scene, {"cable.mass_per_length": 3.0})
     with pytest.raises(ParameterError, match=r"^cable\.mass_per_length = 3: must be 41\.25, that of its sections\."):
         dataclasses.replace(scene, cable=dataclasses.replace(scene.cable, mass_per_length=3.0))

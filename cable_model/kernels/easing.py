@@ -5,7 +5,7 @@ surface.  With ease 0 they are as they are.
 """
 
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import Body, Cable, Numeric, Problem
+from cable_model.kernels.problem import Cable, Numeric, Problem, thickened
 from cable_model.kernels.seabed import Ground
 
 SPREAD = 0.1  # of the weight: width of the slack law, and by length that of the seabed
@@ -54,8 +54,7 @@ def eased(problem, ease, blunt, weight, bending, tolerance):
 def _soft_body(body, ease, length):
     if body is None:
         return None
-    radius = max(body.radius, 0.5 * THICK * ease * length)
-    return Body(body.mass, body.added_mass, body.displaced_mass, body.weight, body.drag, radius)
+    return thickened(body, THICK * ease * length)
 
 
 @kernel
@@ -68,4 +67,5 @@ def _soft_ground(ground, ease, weight, length):
     return Ground(
         ground.level, stiffness, ground.lag, ground.least_lag, ground.friction, ground.grip, ground.drag, ground.laid, ground.body_length,
         max(ground.smoothing, SPREAD * ease * weight / length), ground.sections, ground.weight, ground.density, ground.numbers,
+        ground.bodies, SPREAD * ease * weight / length,
     )  # fmt: skip

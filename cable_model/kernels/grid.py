@@ -277,13 +277,14 @@ lead_on = by_presence(_staggered_lead, _box_lead)  # the state and its rates som
 
 
 @kernel
-def _no_strain(sections, p, mesh, i, tension, strain):
-    return strain
+def _no_strain(sections, p, mesh, i, tension, strain, under):
+    return strain, under
 
 
 @kernel
-def _strain_of_cell(sections, p, mesh, i, tension, strain):
-    return max(strain, tension / made_of(sections, p, mesh, i).axial_stiffness)
+def _strain_of_cell(sections, p, mesh, i, tension, strain, under):
+    own = tension / made_of(sections, p, mesh, i).axial_stiffness
+    return (own, tension) if own > strain else (strain, under)
 
 
 _larger_strain = by_presence(_no_strain, _strain_of_cell)
@@ -301,6 +302,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, ahead, top, view.scratch.cells)
     largest = 0.0
     strain = 0.0
+    strained = 0.0
     smallest = 1e300
     slack = 0.0
     length = 0.0
@@ -308,18 +310,19 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     for i in range(n - 2, -1, -1):
         t = staggered_chain.axial_force(parts, problem, mesh, view.y, i, top, view.scratch)
         largest = max(largest, t)
-        strain = _larger_strain(parts.sections, problem.numbers, mesh, i, t, strain)
+        strain, strained = _larger_strain(parts.sections, problem.numbers, mesh, i, t, strain, strained)
         smallest = min(smallest, t)
         if t < 1e-3 * total_weight(parts, p):
             slack += mesh[i, 0]
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
+    largest = staggered_chain.largest_at_joints(parts.sections, parts, problem, mesh, view.y, top, view.scratch, largest)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
     tangents = staggered_chain.end_tangents(mesh, view.y, top)
     tensions = staggered_chain.end_tensions(
         parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
     )  # fmt: skip
-    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length, strain
+    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length, strain, strained
 
 
 @kernel
@@ -327,9 +330,9 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
     force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
         parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
     )
-    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack, 0.0
+    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack, 0.0, 0.0
 
 
 # forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share,
-# and with sections the largest strain; the box grid has those of its top, but the lower end's tension
+# and with sections the largest strain and the tension there; the box grid has those of its top, but the lower end's tension
 measure = by_presence(_staggered_measure, _box_measure)

@@ -47,6 +47,7 @@ LOWER_WATCH = 396  # 396..418: what watch.py keeps of one
 LOWER_RINGING = 419  # 419..508: what ringing.py keeps of one
 HEADER = 509
 
+CELLS_OF_A_SECTION = 2  # at least
 SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little; what rules refuse at the start, and watch.py tells of
 
 OK = 0

@@ -7,12 +7,12 @@ mesh (n-1, 2): unstretched length h of each cell and its split b, the share of i
 import math
 
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.header import CELLS_OF_A_SECTION
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_below
 from cable_model.kernels.problem import body_weight, cable_of, density_of, total_weight, water_of
 from cable_model.kernels.sections import LENGTH, SECTION, row_of
 
-FEWEST = 2  # cells of a section
 SLOWEST = 0.2  # of the root of the whole weight: next to no tension does not draw all cells
 
 
@@ -64,7 +64,7 @@ def _travel_time(parts, problem, k, below, grading):
 
 @kernel
 def _fill_sections(sections, parts, problem, grading, mesh):
-    """Nodes on every joint; each section has cells by its travel time, FEWEST at least, in its own grading."""
+    """Nodes on every joint; each section has cells by its travel time, at least CELLS_OF_A_SECTION, in its own grading."""
     cells, last = mesh.shape[0], sections.shape[0] - 1
     density, gravity = density_of(parts.water, problem.numbers), problem.cable.gravity
     total = 0.0
@@ -82,7 +82,7 @@ def _fill_sections(sections, parts, problem, grading, mesh):
         time, weight = _travel_time(parts, problem, k, below, grading)
         passed += time
         beyond = int(cells * passed / total + 0.5)
-        beyond = min(max(beyond, first + FEWEST), cells - FEWEST * (last - k))
+        beyond = min(max(beyond, first + CELLS_OF_A_SECTION), cells - CELLS_OF_A_SECTION * (last - k))
         if k == last:
             beyond = cells
         own = mesh[first:beyond]
@@ -101,4 +101,4 @@ def fewest_nodes(sections):
     """Nodes that a mesh has at least."""
     if sections is None:
         return 3
-    return FEWEST * sections.shape[0] + 1
+    return CELLS_OF_A_SECTION * sections.shape[0] + 1

@@ -141,6 +141,12 @@ def body_of(hung, water, p):
 
 
 @kernel
+def thickened(body, diameter):
+    """The body with at least this diameter, m: over it statics spread the water's surface."""
+    return Body(body.mass, body.added_mass, body.displaced_mass, body.weight, body.drag, max(body.radius, 0.5 * diameter))
+
+
+@kernel
 def water_of(made, density):
     """Water of this density about a cable that is made as `made` says."""
     added = density * 0.25 * 3.141592653589793 * made.diameter * made.diameter * made.added_mass_coefficient

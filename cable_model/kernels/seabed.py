@@ -15,6 +15,7 @@ from typing import NamedTuple
 from cable_model.kernels import friction as sliders
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import cable_of
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import constitutive, iterate, step_tension
@@ -47,6 +48,8 @@ class Ground(NamedTuple):
     weight: float = 0.0  # of a metre, N/m: the scale of smoothing, grip, drag and body_length
     density: float = 0.0  # of the water, kg/m3
     numbers: object = None
+    bodies: object = None  # on the cable, see line_bodies.py
+    spread: float = 0.0  # N/m, that statics give a node's smoothing at least
 
 
 @kernel
@@ -67,9 +70,12 @@ def _of_both_cells(sections, ground, mesh, i):
     wide = (share * up.diameter + (1.0 - share) * low.diameter) / whole.diameter
     massive = (share * up.mass + (1.0 - share) * low.mass) / whole.mass_per_length
     heavy = max((share * abs(up.weight) + (1.0 - share) * abs(low.weight)) / ground.weight, LIGHTEST)
+    own = heavy * ground.weight
+    length = ground.body_length / heavy if i == 0 else abs(weight_on(ground.bodies, mesh, i, ground.density, gravity)) / own
     return Ground(
         ground.level, ground.stiffness * wide, ground.lag * (massive / wide) ** 0.5, ground.least_lag, ground.friction, ground.grip * heavy,
-        ground.drag * heavy, ground.laid, ground.body_length / heavy, ground.smoothing * heavy, sections, ground.weight, ground.density, p,
+        ground.drag * heavy, ground.laid, length, max(p[0].solver.slack_smoothing * own, ground.spread), sections, ground.weight,
+        ground.density, p, ground.bodies, ground.spread,
     )  # fmt: skip
 
 
@@ -77,11 +83,24 @@ under = by_presence(_as_all, _of_both_cells)  # the seabed as node i has it
 
 
 @kernel
-def _carried(ground, mesh, i):
-    """Unstretched length of cable that node i carries; at the lower end the body's share too."""
+def _nothing(bodies, ground):
+    return 0.0
+
+
+@kernel
+def _share_of_bodies(bodies, ground):
+    return ground.body_length
+
+
+_of_bodies = by_presence(_nothing, _share_of_bodies)
+
+
+@kernel
+def carried(ground, mesh, i):
+    """Unstretched length of cable that node i carries, with what would weigh as much as the bodies on it; `ground`: as the node has it."""
     if i == 0:
         return mesh[0, 1] * mesh[0, 0] + ground.body_length
-    return mesh[i, 1] * mesh[i, 0] + (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
+    return mesh[i, 1] * mesh[i, 0] + (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0] + _of_bodies(ground.bodies, ground)
 
 
 @kernel
@@ -107,7 +126,7 @@ def _start(present, friction, ground, mesh, y0, top_row, h, like, contact):
         height = position[len(like) - 1] - ground.level
         speed = y0[n + i, len(like) - 1]
         own = under(ground.sections, ground, mesh, i)
-        length = _carried(own, mesh, i)
+        length = carried(own, mesh, i)
         w0 = own.smoothing * length
         f = -own.stiffness * length * (height + max(own.lag, own.least_lag * h) * speed)
         root = (f * f + w0 * w0) ** 0.5
@@ -127,7 +146,7 @@ def _never(present, ground, weight, mesh, i, contact):
 
 @kernel
 def _rests(present, ground, weight, mesh, i, contact):
-    return contact[i, FORCE] > RESTING * abs(weight) * _carried(under(ground.sections, ground, mesh, i), mesh, i)
+    return contact[i, FORCE] > RESTING * abs(weight) * carried(under(ground.sections, ground, mesh, i), mesh, i)
 
 
 rests = by_presence(_never, _rests)  # whether the seabed carries a good part of what hangs on node i; `weight` is that of a metre
@@ -142,7 +161,7 @@ def _no_load(present, friction, ground, gains, mesh, i, position, v, contact):
 def _load(present, friction, whole, gains, mesh, i, position, v, contact):
     up = upward(1.0, v)
     ground = under(whole.sections, whole, mesh, i)
-    length = _carried(ground, mesh, i)
+    length = carried(ground, mesh, i)
     stiffness = ground.stiffness * length
     w0 = ground.smoothing * length
     lag = max(ground.lag, ground.least_lag * gains.step)
@@ -177,7 +196,7 @@ def update_contacts(present, friction, ground, gains, mesh, x, like, contact):
     for i in range(mesh.shape[0]):
         change = contact[i, CHANGE] + contact[i, SLOPE] * x[i, last]
         own = under(ground.sections, ground, mesh, i)
-        length = _carried(own, mesh, i)
+        length = carried(own, mesh, i)
         before = contact[i, FORCE]
         contact[i, FORCE], limited = step_tension(present, own.smoothing * length, before, change)
         other = sliders.move_slider(friction, own, gains, length, x, before, contact[i, FORCE], contact, i, like)
@@ -230,7 +249,7 @@ def _nothing_kept(friction, ground, mesh, h, like, contact, stretch):
 def _keep(friction, ground, mesh, h, like, contact, stretch):
     for i in range(stretch.shape[0]):
         own = under(ground.sections, ground, mesh, i)
-        sliders.keep_slider(friction, own, _carried(own, mesh, i), h, contact, i, like, stretch)
+        sliders.keep_slider(friction, own, carried(own, mesh, i), h, contact, i, like, stretch)
 
 
 keep_sliders = by_presence(_nothing_kept, _keep)  # the state's stretches, after an accepted step of length h

@@ -8,7 +8,7 @@ import math
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import BASE
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.seabed import under
+from cable_model.kernels.seabed import carried, under
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import add, axpy, dot, load, load_from, mix, sub, upward, zero
 
@@ -63,7 +63,7 @@ def _on_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contac
         own = under(ground.sections, ground, mesh, i)
         firm, mass = _under_node(parts, p, mesh, i)
         lag = max(2.0 * bed.damping_ratio * math.sqrt(mass / firm), h)
-        length = mesh[i, 1] * mesh[i, 0] + (own.body_length if i == 0 else (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0])
+        length = carried(own, mesh, i)
         depth = bed.level - height1[len(before) - 1] - lag * y1[n + i, len(before) - 1]
         f = firm * length * depth
         w0 = own.smoothing * length

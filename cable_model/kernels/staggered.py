@@ -17,7 +17,7 @@ from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import ABOVE, joint, row_of
-from cable_model.kernels.problem import body_of
+from cable_model.kernels.problem import body_of, thickened
 from cable_model.kernels.seabed import node_load
 from cable_model.kernels.slack import constitutive, elastic, floor, iterate, shortfall, width, with_quadratic_damping
 from cable_model.kernels.staggered_surface import cell_water, lower_end_terms
@@ -202,7 +202,7 @@ def _bodies(bodies, parts, problem, gains, mesh, q, v, a, top, time, lowest, ban
             continue
         for j in range(bodies.shape[0]):
             if int(bodies[j, ABOVE]) == section:
-                body = body_of(row_of(bodies, j), parts.water, problem.numbers)
+                body = thickened(body_of(row_of(bodies, j), parts.water, problem.numbers), problem.numeric.thinnest)
                 more, by_velocity = lower_end_terms(
                     True, parts, body, problem.cable, gains, position, load(v, i, top), load(a, i, top), time
                 )  # fmt: skip

@@ -5,6 +5,7 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import joint
 from cable_model.kernels.mesh import fill
 from cable_model.kernels.path import Ends
 from cable_model.kernels.seabed import under_body
@@ -98,11 +99,55 @@ def _led_on(mesh, y, last, before, like):
 
 
 @kernel
-def node_tension(parts, problem, mesh, y, i, like, s):
-    """N of inner node i, on the line between the splits of its cells, where their tensions are those of what hangs below."""
+def _between_cells(sections, parts, problem, mesh, y, i, like, s):
+    """On the line between the splits of the cells, where their tensions are those of what hangs below."""
     low, up = (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0], mesh[i, 1] * mesh[i, 0]
     below, above = axial_force(parts, problem, mesh, y, i - 1, like, s), axial_force(parts, problem, mesh, y, i, like, s)
     return (below * up + above * low) / (low + up)
+
+
+@kernel
+def _at_joints(sections, parts, problem, mesh, y, i, like, s):
+    """Where sections meet, the larger of the tensions to which the two cells on either side lead: at a body it jumps."""
+    if joint(mesh, i) < 0:
+        return _between_cells(sections, parts, problem, mesh, y, i, like, s)
+    below = _end_of_two(parts, problem, mesh, y, i - 1, i - 2, (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0], like, s)
+    above = _end_of_two(parts, problem, mesh, y, i, i + 1, mesh[i, 1] * mesh[i, 0], like, s)
+    return max(below, above)
+
+
+@kernel
+def _end_of_two(parts, problem, mesh, y, near, far, beyond, like, s):
+    """Tension on the line through those at the splits of two cells, `beyond` that of the nearer."""
+    low = min(near, far)
+    apart = (1.0 - mesh[low, 1]) * mesh[low, 0] + mesh[low + 1, 1] * mesh[low + 1, 0]
+    there = axial_force(parts, problem, mesh, y, near, like, s)
+    return there + beyond / apart * (there - axial_force(parts, problem, mesh, y, far, like, s))
+
+
+_node_tension = by_presence(_between_cells, _at_joints)
+
+
+@kernel
+def node_tension(parts, problem, mesh, y, i, like, s):
+    """N of inner node i."""
+    return _node_tension(parts.sections, parts, problem, mesh, y, i, like, s)
+
+
+@kernel
+def _no_joints(sections, parts, problem, mesh, y, like, s, largest):
+    return largest
+
+
+@kernel
+def _joints(sections, parts, problem, mesh, y, like, s, largest):
+    for i in range(1, mesh.shape[0]):
+        if joint(mesh, i) >= 0:
+            largest = max(largest, _at_joints(sections, parts, problem, mesh, y, i, like, s))
+    return largest
+
+
+largest_at_joints = by_presence(_no_joints, _joints)  # `largest`, or the largest N at a joint where that is more
 
 
 @kernel

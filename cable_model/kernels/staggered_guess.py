@@ -86,7 +86,7 @@ def _catenary(anchor, parts, problem, scale_force, mesh, y, force, top):
             store(y, i, along_x(-pull * stretch / size, upward(hanging * stretch / size, top)))
         else:
             store(y, i, upward(sign, top))
-    _bend_guess(anchor, problem, mesh, y, top)
+    _bend_guess(anchor, problem, total - body_weight(problem.body), mesh, y, top)
 
 
 @kernel
@@ -98,7 +98,8 @@ def along_x(size, a):
 
 
 @kernel
-def _bend_guess(anchor, problem, mesh, y, top):
+def _bend_guess(anchor, problem, weight, mesh, y, top):
+    """A V of two legs, upside down where what is between the ends weighs less than the water, `weight` N."""
     if anchor is None:
         return
     n = mesh.shape[0] + 1
@@ -115,7 +116,7 @@ def _bend_guess(anchor, problem, mesh, y, top):
         return
     # legs a below the anchor and b below the top: horizontal runs share the chord, both at the same slope
     drop = math.sqrt(length * length - across * across)
-    sign = 1.0 if problem.cable.weight >= 0.0 else -1.0
+    sign = 1.0 if weight >= 0.0 else -1.0
     first = 0.5 * (1.0 - sign * rise / drop) * length
     ahead = scale(1.0 / length, level)
     gone = 0.0

@@ -259,7 +259,11 @@ def watch_set_off(parts, p, state, along, outputs):
     if parts.anchor is None:
         mass += p[0].body.mass + max(p[0].body.added_mass, 0.0)
     blow = math.sqrt(cable.axial_stiffness / cable.length * mass) * abs(along)
-    if state[STEPS] == 0.0 and state[PENDING] == 0.0 and blow > KICK * max(outputs[12], total_weight(parts, p)):
+    if (
+        state[STEPS] == 0.0
+        and state[PENDING] == 0.0
+        and blow > max(KICK * max(outputs[12], total_weight(parts, p)), FEWEST * mass * GRAVITY)
+    ):
         note(state, BLOW, along, blow)
 
 
@@ -277,8 +281,8 @@ def _watch_ends(parts, p, state, lower):
 
 
 @kernel
-def watch_outputs(parts, p, state, outputs, strain=0.0):
-    """Look at the outputs, in the order of signals.OUTPUTS, that a state has; `strain`: the largest of a cable with sections."""
+def watch_outputs(parts, p, state, outputs, strain=0.0, under=0.0):
+    """Look at the outputs, in the order of signals.OUTPUTS, that a state has; of a cable with sections the largest strain, `under` N."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
         _watch_waves(parts.waves, state)
@@ -297,8 +301,9 @@ def watch_outputs(parts, p, state, outputs, strain=0.0):
         note(state, BELOW, lower_z, -depth)
     if parts.sections is None:
         strain = outputs[12] / p[0].cable.axial_stiffness
+        under = outputs[12]
     if parts.inextensible is None and parts.curve is None and strain > LARGEST_STRAIN:
-        note(state, STRAIN, strain, outputs[12])
+        note(state, STRAIN, strain, under)
 
 
 @kernel

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from cable_model.effects import CHAIN, EFFECTS
 from cable_model.errors import ParameterError
 from cable_model.scene import Scene, with_values
+from cable_model.sections import fewest_cells
 from cable_model.simulated import is_on, left_out_for, parts_of
 from cable_model.studies.timed import Setting
 
@@ -29,9 +30,10 @@ BASE = {"solver.grid": "staggered", "solver.lambda_infinity": -0.9, "solver.grad
 
 def cells_ladder(scene: Scene, quick: bool = False) -> list[int]:
     """From an eighth of the scene's cells to twice as many."""
-    cells = max(scene.solver.nodes - 1, FEWEST_CELLS)
+    fewest = max(FEWEST_CELLS, fewest_cells(scene.cable))
+    cells = max(scene.solver.nodes - 1, fewest)
     factors = (0.25, 0.5, 1.0) if quick else (0.125, 0.25, 0.5, 1.0, 2.0)
-    return sorted({max(FEWEST_CELLS, round(cells * factor)) for factor in factors})
+    return sorted({max(fewest, round(cells * factor)) for factor in factors})
 
 
 def steps_ladder(scene: Scene, quick: bool = False) -> list[float]:

@@ -98,9 +98,9 @@ class _Watch:
 def _weight(scene: Scene) -> float:
     """Force scale W, N: weights in the medium of cable and body."""
     density = scene.water.density if scene.water is not None else 0.0
-    cable = (scene.cable.mass_per_length - density * scene.cable.displaced_area) * scene.cable.length
-    bodies = sum(abs(body.mass - density * body.volume) for body in (scene.body, *scene.cable.body))
-    return (abs(cable) + bodies) * scene.environment.gravity
+    made = sum(abs(row.mass_per_length - density * row.displaced_area) * row.length for row in scene.cable.section or (scene.cable,))
+    hung = abs(scene.body.mass - density * scene.body.volume)
+    return (made + hung + sum(abs(body.mass - density * body.volume) for body in scene.cable.body)) * scene.environment.gravity
 
 
 def record(scene: Scene, step: float | None = None, duration: float | None = None, watch: bool = True) -> Record:
