@@ -20,7 +20,10 @@ def import_deck(
     ] = None,
     line: Annotated[int | None, typer.Option(help="the line to take, with those that hang together with it; default: the only one")] = None,
 ) -> None:
-    """Write a line of a MoorDyn v2 input file, with what hangs together with it, as a scene, and say what was left out or changed; it stands in the scene too."""
+    """Write a line of a MoorDyn v2 input file as a scene, with lines that go on at free points, and say what was left out or changed.
+
+    That stands in the scene too.
+    """
     target = output or Path(f"{file.stem}.toml" if line is None else f"{file.stem}_line{line}.toml")
     check_output(target)
     scene, told = scene_of(moordyn.read(file), line)

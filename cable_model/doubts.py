@@ -104,10 +104,12 @@ def at_the_start(scene: Any, model: str, outputs: Sequence[float]) -> Iterator[s
     if model != CHAIN:
         return
     tensions = [outputs[OUTPUTS.index(name)] for name in ("cable.tension_min", "cable.tension_max")]
-    water = cable.added_mass(scene.water.density) if scene.water is not None else 0.0
+    density = scene.water.density if scene.water is not None else 0.0
     mean = max(0.5 * (tensions[0] + tensions[1]), 1e-3 * tensions[1])
-    across = math.sqrt(mean / (cable.mass_per_length + water)) if mean > 0.0 else math.inf
-    along = math.sqrt(cable.axial_stiffness / cable.mass_per_length)
+    rows = cable.section or (cable,)  # cells go to sections by the time that waves take through them
+    heavy = sum(row.length * math.sqrt(row.mass_per_length + row.added_mass(density)) for row in rows) / cable.length
+    across = math.sqrt(mean) / heavy if mean > 0.0 else math.inf
+    along = cable.length / sum(row.length * math.sqrt(row.mass_per_length / row.axial_stiffness) for row in rows)
     cells = scene.solver.nodes - 1
     for words, omega, speed in (("across", forcing(scene, "xy"), across), ("along", forcing(scene, "z"), along)):
         phase = omega * cable.length / speed / cells

@@ -114,6 +114,7 @@ class _Translation:
                 self._leave_out(f"force on point {point.number}", _FORCE)
             if point.mass or point.volume or point.drag_area:
                 bodies.append({"at": at, **self._body_of(point)})
+                self._tell_of_body(point)
         return bodies
 
     def _made_of(self, line: Line, row: Row) -> dict[str, Any]:
@@ -219,6 +220,9 @@ class _Translation:
         self.values["body"] = self._body_of(point)
         if any(point.force):
             self._leave_out(f"force on point {point.number}", _FORCE)
+        self._tell_of_body(point)
+
+    def _tell_of_body(self, point: Point) -> None:
         self._leave_out(f"place of point {point.number}", _REST)
         if point.volume or point.drag_area:
             self._change(f"point {point.number}", "above the surface it is dry here, in MoorDyn it floats and drags there too")
@@ -242,6 +246,8 @@ class _Translation:
             why = "kBot is 0" if stiffness == 0.0 else f"it lies deeper than {REACH:g} lengths below the top"
             self._leave_out(f"the seabed at z = {level:g} m", why)
             return
+        if len(self.lines) > 1:
+            self._change(f"cBot = {damping:g}", "seabed.damping_ratio is one for all lines, from the lowest")
         ratio = 0.5 * damping * math.sqrt(lowermost["diameter"] / (stiffness * lowermost["mass_per_length"]))
         if friction:
             self._change(f"FrictionCoefficient = {friction:g}", "friction holds a cable at rest here; in MoorDyn it only slows what slides")
@@ -251,7 +257,7 @@ class _Translation:
         """Nodes, output step, and every option without a counterpart."""
         segments = sum(line.segments for line in self.lines)
         given, nodes = segments + 1, Solver().nodes
-        self.values["solver"] = {"space": self.space, "nodes": max(nodes, given)}
+        self.values["solver"] = {"space": self.space, "nodes": max(nodes, given, 4 * len(self.lines) + 1)}
         if given < nodes:
             self._change(f"NumSegs = {segments}", f"solver.nodes = {nodes}, the default, is finer")
         if self._option("dtout", 0.0) > 0.0:

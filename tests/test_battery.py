@@ -116,7 +116,9 @@ def test_what_hangs_freely_weighs_what_it_weighs(case):
         return
     cable, body = scene.cable, scene.body
     density = scene.water.density if scene.water is not None else 0.0
-    weights = (cable.mass_per_length - density * cable.displaced_area) * cable.length, body.mass - density * body.volume
+    rows = cable.section or (cable,)
+    weights = [(row.mass_per_length - density * row.displaced_area) * row.length for row in rows]
+    weights += [one.mass - density * one.volume for one in (body, *cable.body)]
     weight = sum(weights) * scene.environment.gravity
     if min(weights) < 0.0 or weight == 0.0:
         return

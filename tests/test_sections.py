@@ -20,6 +20,7 @@ from cable_model.parameters import Section
 from cable_model.scene import from_dict, to_toml, with_values
 from cable_model.sections import pieces, whole
 from cable_model.signals import OUTPUTS
+from cable_model.studies.settings import METHODS, methods
 
 GRAVITY, DENSITY = 9.80665, 1025.0
 WET = {"density": DENSITY, "surface": False}
@@ -444,3 +445,64 @@ def test_a_body_at_mid_length_swings_as_the_lower_of_two_segments_says():
     right = two_segments(np.array([20.0, 30.0]), (upper, lower), top, times)
     size = np.ptp(right[:, 1, 0])
     assert size > 2.0 and np.abs(np.array(places) - right).max() < 1e-3 * size
+
+
+def test_tensions_at_joints_and_bodies_are_those_of_what_hangs_below():
+    """Where the tension jumps it is the larger one that is told, and the largest is at a joint below a float."""
+    sections = [{**CHAIN, "length": 20.0}, {**ROPE, "length": 30.0}]
+    bodies = [{"at": 20.0, **FLOAT}, {"at": 35.0, "mass": 100.0}]
+    base = {"cable": {"section": sections, "body": bodies}, "body": {"mass": 4000.0}, "water": WET}
+    for nodes in (9, 17, 33):
+        model = make(base, solver__nodes=nodes)
+        model.initialize(still()(0.0))
+        made, hung = weights(model.scene.cable)
+        loads = np.cumsum([4000.0 * GRAVITY, *np.ravel([(w * length, b) for (w, _, length), b in zip(made, hung[1:], strict=True)])])
+        arcs, tensions = model.arc_lengths(), model.nodes()[:, 3]
+        at = [tensions[np.argmin(np.abs(arcs - place))] for place in (0.0, 20.0, 35.0, 50.0)]
+        assert at == pytest.approx([loads[0], max(loads[1:3]), max(loads[3:5]), loads[5]], rel=1e-6)
+        assert model.outputs[OUTPUTS.index("cable.tension_max")] == pytest.approx(loads.max(), rel=1e-6)
+
+
+def test_a_clump_on_a_seabed_sinks_in_as_deep_as_the_cable_whatever_the_mesh():
+    """w/(K d), with the weight and the diameter of the cable about it."""
+    clump = {"at": 20.0, "mass": 500.0, "volume": 0.1}
+    cable = {"length": 80.0, "mass_per_length": 5.0, "axial_stiffness": 1e6, "diameter": 0.04, "body": [clump]}
+    base = {
+        "cable": cable, "water": {}, "lower_end": {"anchored": True, "x": -70.0, "z": -30.0}, "seabed": {"level": -30.0, "stiffness": 1e5},
+    }  # fmt: skip
+    depth = (5.0 - DENSITY * np.pi / 4.0 * 0.04**2) * GRAVITY / (1e5 * 0.04)
+    for nodes in (21, 41, 81):
+        model = make(base, solver__nodes=nodes)
+        model.initialize(still((0.0, 0.0, -5.0))(0.0))
+        place = np.argmin(np.abs(model.arc_lengths() - 20.0))
+        assert -30.0 - model.positions()[place, 2] == pytest.approx(depth, rel=0.05)
+
+
+def test_a_light_cable_with_a_float_between_two_anchors_arches_up():
+    """Cells that can be pressed too: a V that hangs down would stand on its legs."""
+    cable = {
+        "length": 30.0, "mass_per_length": 1.0, "axial_stiffness": 1e5, "diameter": 0.02, "compressible": True,
+        "body": [{"at": 15.0, "mass": 20.0, "volume": 0.2}],
+    }  # fmt: skip
+    model = make({"cable": cable, "water": WET, "lower_end": {"anchored": True, "x": -16.0, "z": -40.0}, "solver": {"nodes": 21}})
+    model.initialize(still((0.0, 0.0, -40.0))(0.0))
+    assert model.positions()[:, 2].max() == pytest.approx(-40.0 + np.sqrt(15.0**2 - 8.0**2), abs=0.3)
+    assert model.outputs[OUTPUTS.index("cable.tension_min")] > 0.0
+
+
+def test_error_control_follows_its_tolerance_with_sections_and_bodies():
+    motion = swing((0.6, 0.0, 0.5), 1.3, ramp_time=3.0)
+    base = {
+        "cable": {"section": [{**ROPE, "length": 40.0}, {**WIRE, "length": 60.0}], "body": [{"at": 70.0, **CLUMP}]}, "water": WET,
+        "body": {"mass": 200.0}, "solver": {"nodes": 33, "time_step": 0.5},
+    }  # fmt: skip
+    fine = drive(make(base, solver__time_step=0.0025), every(0.05, 12.0), motion)
+    found = drive(make(base, solver__tolerance=1e-2), every(0.05, 12.0), motion)
+    tension = fine["top.tension"]
+    assert np.abs(found["top.tension"] - tension).max() < 5e-2 * np.ptp(tension)
+    assert found["solver.steps"][-1] < 0.25 * fine["solver.steps"][-1]
+
+
+def test_study_has_the_chain_for_a_cable_of_many_sections():
+    scene = from_dict({"cable": {"section": [CHAIN, ROPE, UPPER, ROPE]}, "solver": {"nodes": 41}})
+    assert set(methods(scene)) >= {name for name, changes in METHODS.items() if changes.get("solver.grid") != "box"}
