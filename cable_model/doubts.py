@@ -128,7 +128,7 @@ SEEN = (
     "Give top.vx, top.vy and top.vz of the same motion, or set top.motion_order = 0.",
     "velocity of the top changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
     "Give top.ax, top.ay and top.az of the same motion, or set top.motion_order = 1.",
-    "an end of the cable at z = %.3g m, above %.3g m: what is in air is simulated as if under water. Set water.surface = true.",
+    "an end of the cable or a body at z = %.3g m, above %.3g m: what is in air is simulated as if under water. Set water.surface = true.",
     "lower end at z = %.4g m, the bottom of the waves at %.4g m: it hangs through the bottom. Set water.depth, or give a seabed.",
     "strain = %.3g under %.4g N, beyond 0.1: few cables have it, and none keeps its diameter. "
     "Check cable.length against the distance of its ends, and the unit of cable.axial_stiffness (N).",
@@ -151,7 +151,8 @@ SEEN = (
     "Give a motion that fades in, or begins at the turn of a swing.",
     "drag and weight across the cable = a sag of %.3g m in %.4g m: a straight cable takes its force and its lower end elsewhere. "
     "Check against CableChain, or use it.",
-    "waves = %.3g m high over still water, the lower end at z = %.3g m: it is as wet as in still water, as waves do not move the surface. "
+    "waves = %.3g m high over still water, the lower end or a body at z = %.3g m: it is as wet as in still water, as waves do not move the "
+    "surface. "
     'Set waves.surface = "cut" or "wheeler" in a scene, and bake it in for an FMU.',
     "internal step = %.3g s under waves of %.3g s: fewer than twenty steps a period leave their phase and forces wrong. "
     "Set solver.time_step to a twentieth of it, or solver.tolerance.",

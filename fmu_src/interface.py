@@ -263,7 +263,8 @@ def kept(base_scene: Scene, model: str) -> dict[str, tuple[str, str]]:
             found[name] = (f"{start(name)} for {TYPES[model]}, which has no use for it", f"Leave it, or use {TYPES[users[0]]}.")
     for table_name, words, names in _REPLACED:
         if true(Given(table_name), base_scene, model):
-            found |= {name: (f"{start(name)} where {words} is baked in", f"Bake a scene without {table_name}.") for name in names}
+            remedy = "Bake the scene with the other value." if names is OF_SECTIONS else f"Bake a scene without {table_name}."
+            found |= {name: (f"{start(name)} where {words} is baked in", remedy) for name in names}
     return found
 
 

@@ -235,7 +235,7 @@ def test_what_sections_were_made_of_is_kept_in_fmus():
     scene = from_dict(BAKED["chain of sections with bodies on it, moored on a bottom"][1])
     kept = Rules(table(scene), scene, "chain").kept
     for name in ("cable.length", "cable.mass_per_length", "cable.diameter", "cable.volume_per_length", "solver.nodes"):
-        assert kept[name].endswith("where a cable with bodies on it is baked in. Bake a scene without cable.body.")
+        assert kept[name].endswith("where a cable with bodies on it is baked in. Bake the scene with the other value.")
         with pytest.raises(ParameterError, match=re.escape(f"{name} = ")):
             scene_from_values(scene, {name: 50 if name == "solver.nodes" else 1.5}, "chain")
 

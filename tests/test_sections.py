@@ -14,7 +14,7 @@ from driven_support import OTHER_WAY_ROUND, about, inputs, run
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from cable_model import CableChain, TowCable
+from cable_model import CableChain, TowCable, simulate
 from cable_model.errors import ParameterError
 from cable_model.parameters import Section
 from cable_model.scene import from_dict, to_toml, with_values
@@ -506,3 +506,45 @@ def test_error_control_follows_its_tolerance_with_sections_and_bodies():
 def test_study_has_the_chain_for_a_cable_of_many_sections():
     scene = from_dict({"cable": {"section": [CHAIN, ROPE, UPPER, ROPE]}, "solver": {"nodes": 41}})
     assert set(methods(scene)) >= {name for name, changes in METHODS.items() if changes.get("solver.grid") != "box"}
+
+
+BUOY = {"at": 40.0, "mass": 100.0, "volume": 0.5, "drag_area": 0.5, "added_mass": 150.0}
+
+
+def test_a_float_on_the_cable_that_the_water_does_not_lift_is_told():
+    """In waves that are held it is as wet as in still water, and above water without a surface it is in water."""
+    cable = {"length": 50.0, "mass_per_length": 0.3, "axial_stiffness": 1e5, "diameter": 0.01, "body": [{**BUOY, "at": 30.0}]}
+    base = {"cable": cable, "lower_end": {"anchored": True, "z": -20.0}, "solver": {"nodes": 31}}
+    above = make({**base, "water": {"surface": False}})
+    above.initialize(still((15.0, 0.0, -2.0))(0.0))
+    assert "an end of the cable or a body at z" in str(above.warnings())
+    held = make({**base, "water": {}, "waves": {"amplitude": 0.5}})
+    held.initialize(still((15.0, 0.0, -2.0))(0.0))
+    assert "the lower end or a body at z" in str(held.warnings())
+
+
+@pytest.mark.long
+def test_a_slack_pennant_under_a_float_gains_no_energy():
+    """The slack law's width goes by what hangs from a length of cable, not by a float that others hold."""
+    rope = {"mass_per_length": 0.3, "axial_stiffness": 1e5, "diameter": 0.01, "volume_per_length": 1e-4, "normal_drag_coefficient": 1.2}
+    sections = [{**rope, "length": 40.0}, {**rope, "length": 30.0, "mass_per_length": 0.1, "volume_per_length": 7e-5}]
+    scene = from_dict({
+        "cable": {"section": sections, "added_mass_coefficient": 1.0, "body": [BUOY]},
+        "lower_end": {"anchored": True, "x": -20.0, "z": -30.0},
+        "seabed": {"level": -30.0, "stiffness": 1e5}, "water": {}, "waves": {"amplitude": 0.5, "period": 10.0, "surface": "wheeler"},
+        "top": {"position": [10.0, 0.0, -1.0]}, "solver": {"nodes": 41, "time_step": 0.01, "audit": True}, "run": {"duration": 40.0},
+    })  # fmt: skip
+    run = simulate(CableChain(scene))
+    assert run.audit is not None and run.audit.energy_share < 0.01
+    assert run["cable.tension_max"].max() < 90.0
+
+
+@pytest.mark.long
+def test_a_cable_that_is_let_down_onto_the_bottom_in_a_heap_can_be_audited():
+    base = {
+        "cable": {"length": 14.0, "mass_per_length": 0.5, "axial_stiffness": 1e5, "diameter": 0.02, "volume_per_length": 1e-4},
+        "body": {"mass": 30.0, "volume": 0.02}, "water": {"surface": False}, "seabed": {"level": -10.0, "stiffness": 1e6},
+        "top": {"position": [0.0, 0.0, -2.0]}, "solver": {"nodes": 31, "time_step": 0.005}, "run": {"duration": 2.0, "output_step": 0.1},
+    }  # fmt: skip
+    plain, audited = (simulate(CableChain(from_dict({**base, "solver": {**base["solver"], "audit": audit}}))) for audit in (False, True))
+    assert np.array_equal(plain["body.z"], audited["body.z"])

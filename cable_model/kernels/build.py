@@ -14,6 +14,7 @@ from cable_model.kernels.problem import (
     cable_part,
     density_of,
     own_weight,
+    slack_weight,
     total_weight,
     water_of,
     with_some_weight,
@@ -27,7 +28,7 @@ def build(parts, p, pull, moves=1.0):
     cable = with_some_weight(cable_part(parts.water, p), 1.0 - moves)
     reference = math.sqrt(max(cable.gravity, 1e-3) * cable.length)
     numeric = Numeric(
-        p[0].solver.slack_smoothing * total_weight(parts, p),
+        p[0].solver.slack_smoothing * slack_weight(parts, p),
         abs(body_weight(body_part(parts.body, parts.water, p))),
         own_weight(cable),
         presence(parts.slack, wave_damping(p, cable)),

@@ -86,7 +86,7 @@ def outputs(parts, p, state, work, out):
     ahead = _tensions_ahead(p, state)
     top = vector_at(parts, state, header.TOP)
     winding = winding_now(parts.winch, problem, state)
-    force, t, tension, position, velocity, largest, smallest, slack, strain, strained = grid.measure(
+    force, t, tension, position, velocity, largest, smallest, slack, seen = grid.measure(
         parts.box, parts, problem, p, view, state[header.STEP], state[header.OFFSET], ahead, top, winding, state[header.TIME]
     )
     _spread(parts.space, force.top, 0.0, out, 0)
@@ -103,7 +103,7 @@ def outputs(parts, p, state, work, out):
     out[17] = state[header.REJECTED]
     _tell_lower_end(parts.driven, parts, force.lower, t.lower, out)
     tell_exchange(state, out)
-    watch_outputs(parts, p, state, out, strain, strained)
+    watch_outputs(parts, p, state, out, seen)
     along = dot(vector_at(parts, state, header.TOP + 3), t.top)
     if parts.driven is not None:
         along -= dot(vector_at(parts, state, header.LOWER + 3), t.lower)

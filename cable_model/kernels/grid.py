@@ -7,11 +7,13 @@ from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
+from cable_model.kernels.line_bodies import joint, mass_on
 from cable_model.kernels.path import Ends
-from cable_model.kernels.problem import total_weight
+from cable_model.kernels.problem import slack_weight, total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import axpy, dot, load, mix
+from cable_model.kernels.watch import Seen
 
 
 @kernel
@@ -277,6 +279,22 @@ lead_on = by_presence(_staggered_lead, _box_lead)  # the state and its rates som
 
 
 @kernel
+def _no_bodies(bodies, mesh, i, position, highest, nearest):
+    return highest, nearest
+
+
+@kernel
+def _heights(bodies, mesh, i, position, highest, nearest):
+    z = position[len(position) - 1]
+    if joint(mesh, i) < 0 or mass_on(bodies, mesh, i) == 0.0:
+        return highest, nearest
+    return max(highest, z), z if abs(z) < abs(nearest) else nearest
+
+
+_see_bodies = by_presence(_no_bodies, _heights)
+
+
+@kernel
 def _no_strain(sections, p, mesh, i, tension, strain, under):
     return strain, under
 
@@ -302,7 +320,9 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     staggered_chain.tensions_now(parts, problem, mesh, view.y, view.force, view.force_old, ahead, top, view.scratch.cells)
     largest = 0.0
     strain = 0.0
-    strained = 0.0
+    under = 0.0
+    highest = -1e300
+    nearest = 1e300
     smallest = 1e300
     slack = 0.0
     length = 0.0
@@ -310,19 +330,30 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     for i in range(n - 2, -1, -1):
         t = staggered_chain.axial_force(parts, problem, mesh, view.y, i, top, view.scratch)
         largest = max(largest, t)
-        strain, strained = _larger_strain(parts.sections, problem.numbers, mesh, i, t, strain, strained)
+        strain, under = _larger_strain(parts.sections, problem.numbers, mesh, i, t, strain, under)
         smallest = min(smallest, t)
-        if t < 1e-3 * total_weight(parts, p):
+        if t < 1e-3 * slack_weight(parts, p):
             slack += mesh[i, 0]
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
+        highest, nearest = _see_bodies(parts.line_bodies, mesh, i, position, highest, nearest)
     largest = staggered_chain.largest_at_joints(parts.sections, parts, problem, mesh, view.y, top, view.scratch, largest)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
     tangents = staggered_chain.end_tangents(mesh, view.y, top)
     tensions = staggered_chain.end_tensions(
         parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
     )  # fmt: skip
-    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length, strain, strained
+    return (
+        forces,
+        tangents,
+        tensions,
+        position,
+        load(view.y, n, top),
+        largest,
+        smallest,
+        slack / length,
+        Seen(strain, under, highest, nearest),
+    )
 
 
 @kernel
@@ -330,9 +361,19 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
     force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
         parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
     )
-    return Ends(force, force), Ends(t, t), Ends(0.0 - dot(force, t), end), position, velocity, largest, smallest, slack, 0.0, 0.0
+    return (
+        Ends(force, force),
+        Ends(t, t),
+        Ends(0.0 - dot(force, t), end),
+        position,
+        velocity,
+        largest,
+        smallest,
+        slack,
+        Seen(0.0, 0.0, -1e300, 1e300),
+    )
 
 
 # forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share,
-# and with sections the largest strain and the tension there; the box grid has those of its top, but the lower end's tension
+# and what is seen of sections and bodies on the cable; the box grid has those of its top, but the lower end's tension
 measure = by_presence(_staggered_measure, _box_measure)

@@ -196,10 +196,15 @@ def node_count(p):
 
 @kernel
 def total_weight(parts, p):
-    """Force scale W: sizes of the weights in the medium of cable and body, N; never zero."""
+    """Force scale W: sizes of the weights in the medium of cable and bodies, N; never zero."""
+    on_line, _ = sizes_of_bodies(parts.line_bodies, density_of(parts.water, p), p[0].environment.gravity)
+    return slack_weight(parts, p) + on_line
+
+
+@kernel
+def slack_weight(parts, p):
+    """The same without the bodies on the cable, N, which some of its lengths hang from and others do not: the scale of what is slack."""
     cable = cable_part(parts.water, p)
     weight = _cable_weight(parts.sections, parts, p)
     weight += abs(body_weight(body_part(parts.body, parts.water, p)))
-    on_line, _ = sizes_of_bodies(parts.line_bodies, density_of(parts.water, p), cable.gravity)
-    weight += on_line
     return max(weight, 1e-6 * cable.mass * cable.gravity * cable.length, 1e-12 * cable.stiffness)

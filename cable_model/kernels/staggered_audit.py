@@ -18,6 +18,7 @@ from cable_model.kernels.surface import Share, cell_share, centre, level_over, s
 from cable_model.kernels.vector import add, axpy, dot, load, mix, norm, scale, sub, upward, zero
 
 COUPLED = 1.0 / 12.0  # of a cell's mass that couples its two nodes
+NO_LENGTH = 1e-12  # a cell that turns round within a step has none in its middle
 DEEP = -1e300  # below it no wave reaches: every level is looked up
 
 
@@ -174,7 +175,7 @@ def pull_of_anchor(anchor, parts, problem, mesh, y0, y1, tension, like):
     if anchor is None:
         return zero(like)
     q = mix(0.5, load(y0, 0, like), 0.5, load(y1, 0, like))
-    pull = scale(-tension / norm(q), q)
+    pull = scale(-tension / max(norm(q), NO_LENGTH), q)
     if parts.bending is not None:
         above = mix(0.5, load(y0, 1, like), 0.5, load(y1, 1, like))
         stiff = _turn_stiffness(parts, problem.numbers, mesh, 1) / mesh[0, 0]
@@ -217,7 +218,7 @@ def _wet_cell(water, parts, p, cable, h, split, q, low, up, v_low, v_up, a_low, 
     added = density * section * cable.added_mass_coefficient
     wet, rate = _wet_share(parts.surface, parts, low, up, split, 0.5 * cable.diameter, time)
     rise = wet.w1 * (v_low[len(q) - 1] - rate) + wet.w2 * (v_up[len(q) - 1] - rate)
-    stretch = norm(q)
+    stretch = max(norm(q), NO_LENGTH)
     t = scale(1.0 / stretch, q)
     drop = 0.5 * (1.0 - wet.wet) * abs(up[len(q) - 1] - low[len(q) - 1])
     flow, flow_rate, _ = water_motion(parts, add(mix(0.5, low, 0.5, up), upward(-drop, q)), time)

@@ -5,6 +5,7 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 """
 
 import math
+from typing import NamedTuple
 
 from cable_model.kernels.ends import horizon
 from cable_model.kernels.fluid import current_velocity, flows
@@ -50,6 +51,18 @@ LARGEST_SAG = 0.03  # of the length: the ends of a cable with it lean 7 degrees 
 FELT = 0.95  # of the variance of the waves' velocity: what the shortest waves add beyond it does not count
 BREAKING = 0.142 * math.pi  # of amplitude times wave number: Michell's limit, height over length, which no wave in deep water exceeds
 LARGEST_STRAIN = 0.1  # of steel 0.002, of ropes some hundredths; beyond it length and diameter are not what the scene says
+
+
+class Seen(NamedTuple):
+    """What the outputs do not tell of sections and of bodies on the cable."""
+
+    strain: float  # the largest
+    under: float  # the tension there, N
+    highest: float  # z of the highest body, m
+    nearest: float  # z of the one that is nearest to the surface, m
+
+
+NOTHING = Seen(0.0, 0.0, -1e300, 1e300)
 
 
 @kernel
@@ -242,13 +255,13 @@ def _rise(waves):
 
 
 @kernel
-def _watch_level(parts, state, lower_z):
-    """Waves that are held do not move the surface: a lower end among them comes out of the water, and does not here."""
+def _watch_level(parts, state, z):
+    """Waves that are held do not move the surface: an end or a body among them, at `z`, comes out of the water, and does not here."""
     if parts.surface is None or parts.stretched is not None or parts.cut is not None:
         return
     rise = _rise(parts.waves)
-    if abs(lower_z) < rise:
-        note(state, PASSED, rise, lower_z)
+    if abs(z) < rise:
+        note(state, PASSED, rise, z)
 
 
 @kernel
@@ -281,27 +294,27 @@ def _watch_ends(parts, p, state, lower):
 
 
 @kernel
-def watch_outputs(parts, p, state, outputs, strain=0.0, under=0.0):
-    """Look at the outputs, in the order of signals.OUTPUTS, that a state has; of a cable with sections the largest strain, `under` N."""
+def watch_outputs(parts, p, state, outputs, seen=NOTHING):
+    """Look at the outputs, in the order of signals.OUTPUTS, that a state has, and at what was seen of sections and bodies on the cable."""
     if state[STEPS] == 0.0:
         _watch_rest(parts, p, state, outputs[12])
         _watch_waves(parts.waves, state)
     else:
         _watch_wave_steps(parts.waves, p, state)
-    _watch_level(parts, state, outputs[7])
+    _watch_level(parts, state, outputs[7] if abs(outputs[7]) < abs(seen.nearest) else seen.nearest)
     _watch_ends(parts, p, state, outputs[5:8])
     begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
     allowed = (EMERGED if begun else TOUCHED) * p[0].cable.length  # where a run starts above the water, it is meant to
     lower_z = outputs[7]
-    highest = max(state[TOP + 2], lower_z)
+    highest = max(state[TOP + 2], lower_z, seen.highest)
     if parts.water is not None and parts.surface is None and highest > allowed:
         note(state, ABOVE, highest, allowed)
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and lower_z < -depth:
         note(state, BELOW, lower_z, -depth)
+    strain, under = seen.strain, seen.under
     if parts.sections is None:
-        strain = outputs[12] / p[0].cable.axial_stiffness
-        under = outputs[12]
+        strain, under = outputs[12] / p[0].cable.axial_stiffness, outputs[12]
     if parts.inextensible is None and parts.curve is None and strain > LARGEST_STRAIN:
         note(state, STRAIN, strain, under)
 
