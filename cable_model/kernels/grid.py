@@ -337,7 +337,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
         length += mesh[i, 0]
         position = axpy(-mesh[i, 0], load(view.y, i, top), position)
         highest, nearest = _see_bodies(parts.line_bodies, mesh, i, position, highest, nearest)
-    largest = staggered_chain.largest_at_joints(parts.sections, parts, problem, mesh, view.y, top, view.scratch, largest)
+    largest = staggered_chain.largest_at_bodies(parts.line_bodies, parts, problem, mesh, view.y, top, view.scratch, largest)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
     tangents = staggered_chain.end_tangents(mesh, view.y, top)
     tensions = staggered_chain.end_tensions(

@@ -5,7 +5,7 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.line_bodies import joint
+from cable_model.kernels.line_bodies import joint, mass_on
 from cable_model.kernels.mesh import fill
 from cable_model.kernels.path import Ends
 from cable_model.kernels.seabed import under_body
@@ -135,19 +135,19 @@ def node_tension(parts, problem, mesh, y, i, like, s):
 
 
 @kernel
-def _no_joints(sections, parts, problem, mesh, y, like, s, largest):
+def _no_bodies(bodies, parts, problem, mesh, y, like, s, largest):
     return largest
 
 
 @kernel
-def _joints(sections, parts, problem, mesh, y, like, s, largest):
+def _at_bodies(bodies, parts, problem, mesh, y, like, s, largest):
     for i in range(1, mesh.shape[0]):
-        if joint(mesh, i) >= 0:
-            largest = max(largest, _at_joints(sections, parts, problem, mesh, y, i, like, s))
+        if mass_on(bodies, mesh, i) > 0.0:
+            largest = max(largest, node_tension(parts, problem, mesh, y, i, like, s))
     return largest
 
 
-largest_at_joints = by_presence(_no_joints, _joints)  # `largest`, or the largest N at a joint where that is more
+largest_at_bodies = by_presence(_no_bodies, _at_bodies)  # `largest`, or the largest N at a body on the cable where that is more
 
 
 @kernel
