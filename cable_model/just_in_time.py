@@ -73,9 +73,10 @@ class JustInTime:
         return status
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
-        status: int = ends.refuse_lower_end(self._numbers, time, self.state, end)
-        if status != header.OK:
-            return status
+        for inputs in (start, end):
+            status: int = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+            if status != header.OK:
+                return status
         ends.follow_ends(self._numbers, self.state, start, end, step, self._path)
         return self._follow(time, step)
 

@@ -25,7 +25,7 @@ def waves(scene: Any) -> np.ndarray | None:
 
 def stiffness_curve(scene: Any) -> np.ndarray:
     """Rows of strain, tension (N) and slope (N) of a monotone cubic interpolation."""
-    from scipy.interpolate import PchipInterpolator  # here only: FMUs do without scipy
+    from scipy.interpolate import PchipInterpolator  # here only: other FMUs do without scipy
 
     rows = np.array(scene.cable.stiffness_curve)
     slopes = PchipInterpolator(rows[:, 0], rows[:, 1]).derivative()(rows[:, 0])

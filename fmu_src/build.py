@@ -47,6 +47,7 @@ from fmu_src.vendoring import Vendored, vendor
 
 HERE = Path(__file__).resolve().parents[1]  # where both packages lie
 REQUIREMENTS = b"numpy>=2.0\nnumba>=0.61\nplatformdirs>=4\n"
+FOR_A_CURVE = b"scipy>=1.14\n"  # it joins the rows of a table of the stiffness
 EPOCH = (1980, 1, 1, 0, 0, 0)
 _MODULES = ("fmu_src.slave",)
 
@@ -164,7 +165,7 @@ def _write_resources(
     staging = (root / "fmu_src" / "staging.py").read_bytes()
     staging_name = f"staging_{hashlib.sha256(staging).hexdigest()[:12]}"
     (folder / f"{staging_name}.py").write_bytes(staging)
-    (folder / "requirements.txt").write_bytes(REQUIREMENTS)
+    (folder / "requirements.txt").write_bytes(REQUIREMENTS + (FOR_A_CURVE if scene.cable.stiffness_curve else b""))
     values = pprint.pformat(scene_values(scene), sort_dicts=False, width=120)
     shipped = "precompiled.ObjectCode()"
     if code:

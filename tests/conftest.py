@@ -14,8 +14,10 @@ from fmi_calls import Component, Library
 from fmu_support import Fmu
 from native_support import KEYS
 
+from cable_model import CableChain, load, simulate
 from cable_model.model import Model
 from cable_model.models import MODELS
+from cable_model.simulation import Result
 from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene
 from fmu_src.native import build, object_code
@@ -112,3 +114,17 @@ def new(in_each_flavour: Fmu, library: Library) -> Iterator[Callable[..., Compon
     yield make
     for component in made:
         component.free()
+
+
+@pytest.fixture(scope="module")
+def scene(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file of the SCENE of a test's module."""
+    path: Path = tmp_path_factory.mktemp("scene") / "chain.toml"
+    path.write_text(request.module.SCENE, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def run(scene: Path) -> Result:
+    """The chain's run of it."""
+    return simulate(CableChain(load(scene)))

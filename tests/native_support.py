@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from fmu_support import Fmu
+from fmu_support import Fmu, Instance
 
 from cable_model.effects import used_by
+from cable_model.models import MODELS
 from cable_model.scene import Scene, load, with_values
 from cable_model.simulated import left_out_for
 from fmu_src.interface import table
@@ -20,6 +22,12 @@ only_where_they_run = [
     pytest.mark.skipif(LINUX not in link.available(), reason="native FMUs need 64-bit x86 Linux and a C compiler"),
     pytest.mark.xdist_group("native"),  # one worker compiles the FMUs, once
 ]
+
+ANCHORED = {  # parameters of an FMU
+    "lower_end.anchored": True, "lower_end.x": 60.0, "lower_end.z": -60.0, "body.mass": 0.0, "body.volume": 0.0,
+    "body.drag_area": 0.0, "body.added_mass": 0.0,
+}  # fmt: skip
+SEABED = {"seabed.level": -60.0, "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "seabed.laid_from_anchor": True}
 
 FLAVOURS = [pytest.param("fmus", marks=only_where_they_run[1]), pytest.param("native", marks=only_where_they_run)]  # fixtures, by name
 
@@ -38,3 +46,19 @@ def lean(name: str, model: str) -> Scene:
 
 def library_of(fmu: Fmu) -> Path:
     return Path(fmu.folder) / "binaries" / "linux64" / f"{fmu.path.stem}.so"
+
+
+def library_run(key: str, scene: Scene, inputs: np.ndarray, step: float) -> np.ndarray:
+    """Outputs of the library under inputs (steps, 9) as FMI gives them, with the start first."""
+    model = MODELS[key](scene)
+    model.initialize(inputs[0])
+    rows = [model.outputs.copy()]
+    for k, row in enumerate(inputs):
+        model.step(k * step, step, row)
+        rows.append(model.outputs.copy())
+    return np.array(rows)
+
+
+def native_run(instance: Instance, values: dict[str, Any], inputs: np.ndarray, step: float) -> np.ndarray:
+    instance.initialize(values, inputs[0])
+    return np.array([instance.outputs(), *(instance.step(k * step, step, row) for k, row in enumerate(inputs))])

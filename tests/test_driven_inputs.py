@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chain_support import make, still
+from chain_support import HANGING, make, still
 from driven_support import FAR, LINE, LOW, OTHER_WAY_ROUND, SWAYING, about, inputs
 
 from cable_model import CableChain, TowCable
@@ -128,3 +128,12 @@ def test_a_lower_end_that_leaves_the_plane_is_refused():
         model.step(0.0, 0.1, start)
     with pytest.raises(ParameterError, match=r"lower\.y = 0\.5 m: must be top\.y = 0 in the plane"):
         CableChain(from_dict(LINE)).initialize(start)
+
+
+@pytest.mark.parametrize("asked", ["start", "end"])
+def test_a_step_between_inputs_that_say_where_an_end_is_that_nothing_drives_is_refused(asked):
+    model, given = make(HANGING), {"start": np.zeros(19), "end": np.zeros(19)}
+    model.initialize(np.zeros(19))
+    given[asked][12] = -1.0
+    with pytest.raises(SolverError, match=r"the inputs lower\.\* say where the lower end is, but they do not drive it"):
+        model.advance(0.0, 0.05, given["start"], given["end"])

@@ -20,9 +20,8 @@ from fmu_support import (
     started,
     sway,
 )
-from native_support import lean, only_where_they_run, values_of
+from native_support import lean, native_run, only_where_they_run, values_of
 from test_fmu_input import BAD_PARAMETERS_OF, BAD_STEPS, STEP, bad_parameters
-from test_fmu_native import native_run
 
 from cable_model.models import MODELS
 from cable_model.motion import motion_of

@@ -16,7 +16,7 @@ from fmpy.validation import validate_fmu
 from fmu_support import Fmu
 
 from cable_model.errors import ParameterError
-from cable_model.scene import with_values
+from cable_model.scene import load, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene, table
@@ -241,3 +241,11 @@ def test_the_script_refuses_bad_scenes_in_one_line(tmp_path: Path):
         assert text in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1
     assert not list(tmp_path.rglob("*.fmu"))
+
+
+@pytest.mark.parametrize("curve", [[], [[0.0, 0.0], [0.1, 1e4]]])
+def test_an_fmu_asks_for_scipy_where_rows_of_a_stiffness_are_joined(tmp_path, curve):
+    scene = with_values(load("hanging_chain"), {"cable.stiffness_curve": curve})
+    built = build_fmu("chain", scene, tmp_path / "Chain.fmu", precompile=False)
+    with zipfile.ZipFile(built) as archive:
+        assert (b"scipy" in archive.read("resources/requirements.txt")) == bool(curve)

@@ -16,8 +16,7 @@ import numpy as np
 import pytest
 import typer
 from fmu_support import FIRST, HEAD, Fmu
-from native_support import KEYS, lean, values_of
-from test_fmu_native import native_run
+from native_support import KEYS, lean, native_run, values_of
 from typer.testing import CliRunner
 
 from cable_model.errors import ParameterError

@@ -12,7 +12,7 @@ from page_support import read_page
 from PIL import Image
 from typer.testing import CliRunner
 
-from cable_model import CableChain, cli, load, movie, simulate
+from cable_model import cli, load, movie
 from cable_model.errors import ParameterError
 from cable_model.moving import MOST_PLACES, arrange, evenly, keeping_peaks
 from cable_model.page import MOST_FRAMES, figure, write_page
@@ -56,23 +56,11 @@ def viewed(*arguments):
 
 
 @pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scene") / "chain.toml"
-    path.write_text(SCENE, encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
 def page(scene):
     path = scene.with_suffix(".html")
     status, told, _ = viewed(scene, "-o", path)
     assert status == 0, told
     return read_page(path)
-
-
-@pytest.fixture(scope="module")
-def run(scene):
-    return simulate(CableChain(load(scene)))
 
 
 def moments(run):

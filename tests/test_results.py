@@ -52,18 +52,6 @@ output_step = 0.05
 WINCH = "[winch]\nfitted = true\nspeeds = [[0.0, 0.5], [10.0, 0.5]]\n"
 
 
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scene") / "chain.toml"
-    path.write_text(SCENE, encoding="utf-8")
-    return path
-
-
-@pytest.fixture(scope="module")
-def run(scene):
-    return simulate(CableChain(load(scene)))
-
-
 def ran(*arguments):
     done = CliRunner().invoke(cli.app, ["run", *map(str, arguments)])
     return done.exit_code, done.output, done.exception

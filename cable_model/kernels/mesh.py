@@ -63,24 +63,29 @@ def _travel_time(parts, problem, k, below, grading):
 
 
 @kernel
+def _travel(parts, problem, k, grading):
+    """Travel time from the lower end to the end of section k, and the tension and the weight of a metre at the section's lower end."""
+    density, gravity = density_of(parts.water, problem.numbers), problem.cable.gravity
+    passed = 0.0
+    weight = 0.0
+    below = body_weight(problem.body)
+    for i in range(k + 1):
+        if i > 0:
+            below += weight * parts.sections[i - 1, LENGTH]
+        below += weight_below(parts.line_bodies, i, density, gravity)
+        time, weight = _travel_time(parts, problem, i, below, grading)
+        passed += time
+    return passed, below, weight
+
+
+@kernel
 def _fill_sections(sections, parts, problem, grading, mesh):
     """Nodes on every joint; each section has cells by its travel time, at least CELLS_OF_A_SECTION, in its own grading."""
     cells, last = mesh.shape[0], sections.shape[0] - 1
-    density, gravity = density_of(parts.water, problem.numbers), problem.cable.gravity
-    total = 0.0
-    below = body_weight(problem.body)
-    for k in range(last + 1):
-        below += weight_below(parts.line_bodies, k, density, gravity)
-        time, weight = _travel_time(parts, problem, k, below, grading)
-        total += time
-        below += weight * sections[k, LENGTH]
-    passed = 0.0
+    total, _, _ = _travel(parts, problem, last, grading)
     first = 0
-    below = body_weight(problem.body)
     for k in range(last + 1):
-        below += weight_below(parts.line_bodies, k, density, gravity)
-        time, weight = _travel_time(parts, problem, k, below, grading)
-        passed += time
+        passed, below, weight = _travel(parts, problem, k, grading)
         beyond = int(cells * passed / total + 0.5)
         beyond = min(max(beyond, first + CELLS_OF_A_SECTION), cells - CELLS_OF_A_SECTION * (last - k))
         if k == last:
@@ -89,7 +94,6 @@ def _fill_sections(sections, parts, problem, grading, mesh):
         fill_mesh(own, grading, sections[k, LENGTH], below, weight)
         for i in range(own.shape[0]):
             own[i, SECTION] = k
-        below += weight * sections[k, LENGTH]
         first = beyond
 
 

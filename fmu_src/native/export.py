@@ -198,7 +198,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         steps, tells_points = what in (STEP, ADVANCE), what in (NODES, SHAPE)
         tries = what == STEP and room.shape[0] > 0
         if what == START or steps:
-            refused = ends.refuse_lower_end(numbers, time, state, end if what == ADVANCE else inputs)
+            refused = ends.refuse_lower_end(numbers, time, state, inputs)
+            if what == ADVANCE and refused == ok:
+                refused = ends.refuse_lower_end(numbers, time, state, end)
             if refused != ok:
                 return refused
         if what == START:
