@@ -93,23 +93,9 @@ def _grounded(seabed, parts, p, cable, moves):
     grip, drag = friction * weight / bed.friction_displacement, moves * friction * weight / bed.friction_velocity
     density = density_of(parts.water, p)
     return Ground(
-        bed.level,
-        stiffness,
-        lag,
-        moves,
-        friction,
-        grip,
-        drag,
-        laid,
-        hung,
-        smoothing,
-        parts.sections,
-        weight,
-        density,
-        p,
-        parts.line_bodies,
-        0.0,
-    )
+        bed.level, stiffness, lag, moves, friction, grip, drag, laid, hung, smoothing, parts.sections, weight, density, p,
+        parts.line_bodies, 0.0,
+    )  # fmt: skip
 
 
 _ground = by_presence(_no_ground, _grounded)

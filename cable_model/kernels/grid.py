@@ -7,13 +7,13 @@ from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel, views
-from cable_model.kernels.line_bodies import joint, mass_on
+from cable_model.kernels.line_bodies import mass_on
 from cable_model.kernels.path import Ends
 from cable_model.kernels.problem import slack_weight, total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import axpy, dot, load, mix
-from cable_model.kernels.watch import Seen
+from cable_model.kernels.watch import NOTHING, Seen
 
 
 @kernel
@@ -285,9 +285,9 @@ def _no_bodies(bodies, mesh, i, position, highest, nearest):
 
 @kernel
 def _heights(bodies, mesh, i, position, highest, nearest):
-    z = position[len(position) - 1]
-    if joint(mesh, i) < 0 or mass_on(bodies, mesh, i) == 0.0:
+    if mass_on(bodies, mesh, i) == 0.0:
         return highest, nearest
+    z = position[len(position) - 1]
     return max(highest, z), z if abs(z) < abs(nearest) else nearest
 
 
@@ -343,17 +343,8 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
     tensions = staggered_chain.end_tensions(
         parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
     )  # fmt: skip
-    return (
-        forces,
-        tangents,
-        tensions,
-        position,
-        load(view.y, n, top),
-        largest,
-        smallest,
-        slack / length,
-        Seen(strain, under, highest, nearest),
-    )
+    seen = Seen(strain, under, highest, nearest)
+    return forces, tangents, tensions, position, load(view.y, n, top), largest, smallest, slack / length, seen
 
 
 @kernel
@@ -361,17 +352,8 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
     force, t, position, velocity, end, largest, smallest, slack = box_chain.measure(
         parts, problem, view.mesh, view.y, view.yd, view.ydd, offset, top, 1e-3 * total_weight(parts, p)
     )
-    return (
-        Ends(force, force),
-        Ends(t, t),
-        Ends(0.0 - dot(force, t), end),
-        position,
-        velocity,
-        largest,
-        smallest,
-        slack,
-        Seen(0.0, 0.0, -1e300, 1e300),
-    )
+    tensions = Ends(0.0 - dot(force, t), end)
+    return Ends(force, force), Ends(t, t), tensions, position, velocity, largest, smallest, slack, NOTHING
 
 
 # forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share,

@@ -272,11 +272,8 @@ def watch_set_off(parts, p, state, along, outputs):
     if parts.anchor is None:
         mass += p[0].body.mass + max(p[0].body.added_mass, 0.0)
     blow = math.sqrt(cable.axial_stiffness / cable.length * mass) * abs(along)
-    if (
-        state[STEPS] == 0.0
-        and state[PENDING] == 0.0
-        and blow > max(KICK * max(outputs[12], total_weight(parts, p)), FEWEST * mass * GRAVITY)
-    ):
+    allowed = max(KICK * max(outputs[12], total_weight(parts, p)), FEWEST * mass * GRAVITY)
+    if state[STEPS] == 0.0 and state[PENDING] == 0.0 and blow > allowed:
         note(state, BLOW, along, blow)
 
 
