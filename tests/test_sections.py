@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from chain_support import make, still, view
+from scipy.integrate import solve_bvp
 from sections_support import BUOY, CHAIN, DENSITY, FLOAT, GRAVITY, MOORINGS, ROPE, WET, catenary, weights
 
 from cable_model import CableChain
@@ -98,3 +99,35 @@ def test_a_float_on_the_cable_that_the_water_does_not_lift_is_told():
     held = make({**base, "water": {}, "waves": {"amplitude": 0.5}})
     held.initialize(still((15.0, 0.0, -2.0))(0.0))
     assert "the lower end or a body at z" in str(held.warnings())
+
+
+@pytest.mark.parametrize("ratio", [10.0, 1000.0])
+def test_a_beam_of_two_stiffnesses_under_tension_sags_as_its_equation_says(ratio):
+    """(EI y'')'' - T y'' = -w between hinges, slope, moment and shear continuous at the joint; of second order in the cells."""
+    length, pull, weight, soft = 10.0, 1e3, 0.1, 1e3
+    across = np.array([soft, soft * ratio])
+
+    def rates(_, y):  # of both halves side by side, over half the length: deflection, slope, moment, shear
+        low, up = y[:4], y[4:]
+        halves = zip((low, up), across, strict=True)
+        return np.concatenate([[part[1], part[2] / ei, part[3], pull * part[2] / ei - weight] for part, ei in halves])
+
+    def ends(a, b):  # hinges outside, everything continuous in the middle
+        return np.array([a[0], a[2], b[4], b[6], *(b[:4] - a[4:])])
+
+    solved = solve_bvp(rates, ends, np.linspace(0.0, 0.5 * length, 101), np.zeros((8, 101)), tol=1e-9, max_nodes=100000)
+    assert solved.success
+    errors = []
+    for nodes in (21, 41):
+        half = {"length": 0.5 * length, "mass_per_length": weight / 10.0, "axial_stiffness": 1e7}
+        base = {
+            "cable": {"section": [{**half, "bending_stiffness": ei} for ei in across]}, "environment": {"gravity": 10.0},
+            "lower_end": {"anchored": True, "x": -length * (1.0 + pull / 1e7)}, "solver": {"nodes": nodes},
+        }  # fmt: skip
+        model = make(base)
+        model.initialize(still()(0.0))
+        arcs, sag = model.arc_lengths(), model.positions()[:, 2]
+        low, up = solved.sol(np.minimum(arcs, 0.5 * length))[0], solved.sol(np.maximum(arcs - 0.5 * length, 0.0))[4]
+        right = np.where(arcs <= 0.5 * length, low, up)
+        errors.append(np.abs(sag - right).max() / np.abs(right).max())
+    assert errors[1] < 5e-3 and np.log2(errors[0] / errors[1]) > 1.8
