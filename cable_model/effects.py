@@ -96,23 +96,43 @@ EFFECTS = (
     Effect(
         "current", "current", Given("current.levels", column=1) | Given("current.speed") & ~Given("current.levels"),
         ("current.levels", "current.speed"), needs=("water",), table=tables.current, native="always",
-        parameters=("current.speed", "current.direction"), left_out={"current.speed": 0.0, "current.levels": ()},
+        parameters=("current.speed", "current.direction"), left_out={"current.speed": 0.0, "current.levels": (), "current.ramp_time": 0.0},
         costs={"water and current": {**_WATER, "current.speed": 0.1}},
     ),
     Effect(
-        "waves", "waves", Given("waves.amplitude") | Given("waves.spectrum") | Given("waves.table"),
-        ("waves.spectrum", "waves.table", "waves.amplitude"), needs=("water",), table=tables.waves, native="always",
+        "current_table", "current that changes over time", Given("current.table", column=2), ("current.table",), needs=("water",),
+        table=tables.current_over_time, native="absent", left_out={"current.table": (), "current.ramp_time": 0.0},
+        costs={"water and current over time": {**_WATER, "current.table": [[0.0, 0.0, 0.1, 0.0], [100.0, 0.0, 0.2, 0.0]]}},
+    ),
+    Effect(
+        "current_ramp", "current that grows from the start", Given("current.ramp_time"), ("current.ramp_time",), needs=("water",),
+        numbers=("current.ramp_time",), native="always", left_out={"current.ramp_time": 0.0},
+        costs={"water and current that grows": {**_WATER, "current.speed": 0.1, "current.ramp_time": 100.0}},
+    ),
+    Effect(
+        "stream", "current that inputs give", Given("water.current_input"), ("water.current_input",), needs=("water",),
+        numbers=("water.current_input",), native="always", left_out={"water.current_input": False},
+        costs={"water and current by inputs": {**_WATER, "water.current_input": True}},
+    ),
+    Effect(
+        "waves", "waves", Given("waves.amplitude") | Given("waves.spectrum") | Given("waves.table") | Given("waves.record"),
+        ("waves.spectrum", "waves.table", "waves.record", "waves.amplitude"), needs=("water",), table=tables.waves, native="always",
         parameters=("waves.amplitude", "waves.period", "waves.direction", "waves.phase"),
         left_out={
             "waves.amplitude": 0.0, "waves.period": 10.0, "waves.direction": 0.0, "waves.phase": 0.0, "waves.spectrum": "none",
             "waves.significant_height": 0.0, "waves.peak_period": 10.0, "waves.peakedness": 3.3, "waves.components": 60, "waves.seed": 1,
-            "waves.spreading_exponent": 0.0, "waves.table": (),
+            "waves.spreading_exponent": 0.0, "waves.table": (), "waves.record": (), "waves.ramp_time": 0.0,
         },
         costs={
             "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
             "water and 20 waves": _SEA,
             "water and 60 waves": {**_SEA, "waves.components": 60},
         },
+    ),
+    Effect(
+        "wave_ramp", "waves that grow from the start", Given("waves.ramp_time"), ("waves.ramp_time",), needs=("water", "waves"),
+        numbers=("waves.ramp_time",), native="always", left_out={"waves.ramp_time": 0.0},
+        costs={"water and 20 waves that grow": {**_SEA, "waves.ramp_time": 100.0}},
     ),
     Effect(
         "finite_depth", "finite depth of the waves", Given("water.depth"), ("water.depth",), needs=("water", "waves"), native="absent",

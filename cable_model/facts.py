@@ -104,6 +104,8 @@ def facts_of(name: str) -> Facts:
 def _of_input(name: str) -> Facts:
     if name == "winch.speed":
         return Facts("m/s", "speed at which the winch pays cable out (needs winch.fitted)")
+    if name.startswith("water."):
+        return Facts("m/s", f"current that adds to the scene's, {name[-1]} (needs water.current_input)")
     end, _, key = name.partition(".")
     unit, text = _OF_INPUTS[key[:-1]]
     return Facts(unit, text.format(f"the top, {key[-1]}" if end == "top" else f"the lower end, {key[-1]} {_DRIVEN}"))

@@ -30,7 +30,7 @@ class JustInTime:
         self._room = np.zeros(host.room_size(self._numbers, len(self.state), len(OUTPUTS)))
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        status = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+        status = ends.refuse_inputs(self._numbers, time, self.state, inputs)
         if status != header.OK:
             return status
         ends.start_ends(self._order, self._numbers, self.state, inputs)
@@ -50,7 +50,7 @@ class JustInTime:
         return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
-        status = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+        status = ends.refuse_inputs(self._numbers, time, self.state, inputs)
         if status != header.OK:
             return status
         ringing.watch_ringing(self._numbers, self.state, inputs)
@@ -74,7 +74,7 @@ class JustInTime:
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
         for inputs in (start, end):
-            status: int = ends.refuse_lower_end(self._numbers, time, self.state, inputs)
+            status: int = ends.refuse_inputs(self._numbers, time, self.state, inputs)
             if status != header.OK:
                 return status
         ends.follow_ends(self._numbers, self.state, start, end, step, self._path)

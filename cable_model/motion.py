@@ -13,7 +13,8 @@ from scipy.interpolate import CubicSpline
 from cable_model.errors import refuse
 from cable_model.parameters import Lower, Motion, Top, Winch
 
-# (time, side) -> (19,), or the first 10 of them: position, velocity and acceleration of the top, winch speed, the same of the lower end
+# (time, side) -> (21,), or the first 10 or 19 of them: position, velocity and acceleration of the top, winch speed, the same of the lower
+# end, and the current that is added
 MotionLike = Callable[[float, int], np.ndarray]
 
 # A quintic through position, velocity and acceleration at both ends of a piece of h differs from x by at most h^6 max|x^(6)|/46080, its
@@ -142,13 +143,13 @@ class PrescribedMotion:
         return min(end.longest_piece(time) for end in self._ends)
 
     def __call__(self, t: float, side: int = 1) -> np.ndarray:
-        """The inputs (19,) at a time, in the order of signals.INPUTS.
+        """The inputs (21,) at a time, in the order of signals.INPUTS.
 
         Where the motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
         """
         speed = 0.0 if self._speeds is None else np.interp(t, self._speeds[:, 0], self._speeds[:, 1])
         top, lower = (end(t, side) for end in self._ends)
-        return np.concatenate([top, [speed], lower])
+        return np.concatenate([top, [speed], lower, [0.0, 0.0]])
 
 
 def _splines(end: Top | Lower, name: str) -> list[CubicSpline]:

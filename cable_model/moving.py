@@ -180,11 +180,13 @@ def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray)
     y = np.linspace(low[1], high[1], max(across, 9) if scene.solver.space else 2)
     if len(x) * len(y) > MOST_PLACES:
         return still
-    from cable_model.kernels.waves import elevation  # imports numba
+    from cable_model.kernels.waves import Ramp, elevation  # imports numba
+
+    ramp = Ramp(float(times[0]), scene.waves.ramp_time)
 
     def height(at_x: float, at_y: float, time: float) -> float:
         place = (at_x, at_y, 0.0) if scene.solver.space else (at_x, 0.0)
-        return float(elevation(waves, place, time)[0])
+        return float(elevation(waves, ramp, place, time)[0])
 
     heights = np.array([[[height(at_x, at_y, t) for at_x in x.tolist()] for at_y in y.tolist()] for t in times.tolist()])
     return Surface(x, y, heights)

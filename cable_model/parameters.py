@@ -100,6 +100,7 @@ class Water:
     density: float = quantity("kg/m3", "density of the water (0 = none)", default=1025.0, least=0.0)
     depth: float = quantity("m", "depth that the waves feel (0 = deep water)", default=0.0, least=0.0)
     surface: bool = quantity("", "whether cable and body are dry above the surface (false: there is water everywhere)", default=True)
+    current_input: bool = quantity("", "whether inputs give a current that adds to the scene's", default=False)
 
 
 @dataclass(frozen=True)
@@ -121,13 +122,18 @@ class Seabed:
 
 @dataclass(frozen=True)
 class Current:
-    """A steady current: one speed at all depths, or a table of levels."""
+    """A current: one speed at all depths, a table of levels, or one that changes over time."""
 
     speed: float = quantity("m/s", "speed of the current", default=0.0)
     direction: float = quantity("rad", "direction the current flows to, from x towards y", default=0.0)
     levels: tuple[tuple[float, float, float], ...] = quantity(
         "m, m/s, rad", "table of [z, speed, direction]; between levels linear, beyond them held", default=()
     )
+    table: tuple[tuple[float, float, float, float], ...] = quantity(
+        "s, m, m/s, rad", "table of [time, z, speed, direction], the same levels at every time; between them linear, beyond them held",
+        default=(),
+    )  # fmt: skip
+    ramp_time: float = quantity("s", "time in which the current grows from nothing at the start (0 = it is there)", default=0.0, least=0.0)
 
 
 @dataclass(frozen=True)
@@ -151,6 +157,10 @@ class Waves:
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "m, s, rad, rad", "components: rows of [amplitude, period, direction, phase]", default=()
     )
+    record: tuple[tuple[float, float], ...] = quantity(
+        "s, m", "record of the elevation at x = y = 0: rows of [time, elevation] at equal steps; it repeats", default=()
+    )
+    ramp_time: float = quantity("s", "time in which waves grow from nothing at the start (0 = they are there)", default=0.0, least=0.0)
     surface: str = quantity(
         "", "waves above still water: as at z = 0, stretched to the surface as it is, or cut off there", default="held",
         choices=("held", "wheeler", "cut"),

@@ -18,8 +18,11 @@ from cable_model.signals import INPUTS
 from cable_model.simulated import given, refused_on_grid, true
 
 WET, SPACE = On("water"), Given("solver.space")
-AMPLITUDE, SPECTRUM, TABLE = Given("waves.amplitude"), Given("waves.spectrum"), Given("waves.table")
-SEAS = (AMPLITUDE, SPECTRUM, TABLE)
+AMPLITUDE, SPECTRUM, TABLE, RECORD = Given("waves.amplitude"), Given("waves.spectrum"), Given("waves.table"), Given("waves.record")
+SEAS = (AMPLITUDE, SPECTRUM, TABLE, RECORD)
+SEA = AMPLITUDE | SPECTRUM | TABLE | RECORD
+OTHER_THAN_ONE = SPECTRUM | TABLE | RECORD
+LEVELS, CHANGING = Given("current.levels"), Given("current.table")
 OF_A_SPECTRUM = (
     Given("waves.significant_height") | Changed("waves.peak_period") | Changed("waves.peakedness") | Changed("waves.components")
     | Changed("waves.seed")
@@ -29,6 +32,8 @@ SLIDING = Changed("seabed.friction_velocity") | Changed("seabed.friction_displac
 DISK = Given("tow.drag_area_axial") | Changed("tow.body_angle")
 TURN = "Set solver.space = true, or turn the axes so that x is along it."
 ACROSS = ("0 or pi in the plane", TURN)
+FEWEST_OF_A_RECORD = 8  # rows
+EVEN = 1e-3  # of a step, by which times that a file has rounded may be off
 NO_WAVES, NO_CURRENT = "Add [water] or remove [waves].", "Add [water] or remove [current]."
 
 
@@ -60,12 +65,23 @@ class Rule:
 
 
 RULES = (
-    Rule(~WET & (Given("current.speed") | Given("current.levels")), "current.speed", "0 without water", NO_CURRENT),
+    Rule(~WET & (Given("current.speed") | LEVELS), "current.speed", "0 without water", NO_CURRENT),
+    Rule(~WET & CHANGING, "current.table", "none without water", NO_CURRENT),
+    Rule(~WET & Given("water.current_input"), "water.current_input", "false without water", "Give water.density, or set it to false."),
     Rule(~WET & AMPLITUDE, "waves.amplitude", "0 without water", NO_WAVES),
     Rule(~WET & SPECTRUM, "waves.spectrum", "none without water", NO_WAVES),
     Rule(~WET & TABLE, "waves.table", "none without water", NO_WAVES),
-    Rule(AMPLITUDE & SPECTRUM | AMPLITUDE & TABLE | SPECTRUM & TABLE, "waves", "one of amplitude, spectrum and table", "Keep one of them."),
-    Rule((AMPLITUDE | SPECTRUM | TABLE) & ~Given("environment.gravity"), "environment.gravity", "> 0 with waves", "Give gravity."),
+    Rule(~WET & RECORD, "waves.record", "none without water", NO_WAVES),
+    Rule(
+        AMPLITUDE & OTHER_THAN_ONE | SPECTRUM & (TABLE | RECORD) | TABLE & RECORD, "waves", "one of amplitude, spectrum, table and record",
+        "Keep one of them.",
+    ),
+    Rule(Given("waves.ramp_time") & ~SEA, "waves.ramp_time", "0 without waves", "Give waves, or remove it."),
+    Rule(
+        Given("current.ramp_time") & ~(Given("current.speed") | LEVELS | CHANGING), "current.ramp_time", "0 without a current",
+        "Give a current, or remove it.",
+    ),
+    Rule(SEA & ~Given("environment.gravity"), "environment.gravity", "> 0 with waves", "Give gravity."),
     Rule(
         SPECTRUM & ~Given("waves.significant_height"), "waves.significant_height", "> 0 with a spectrum",
         "Give the significant wave height.",
@@ -78,8 +94,8 @@ RULES = (
         Chosen("waves.spectrum", "pierson-moskowitz") & Changed("waves.peakedness"), "waves.peakedness",
         "left out of a pierson-moskowitz spectrum", 'Remove it, or set waves.spectrum = "jonswap".',
     ),
-    Rule((SPECTRUM | TABLE) & Changed("waves.period"), "waves.period", "left out beside a spectrum or a table", OF_ONE_WAVE),
-    Rule((SPECTRUM | TABLE) & Given("waves.phase"), "waves.phase", "0 beside a spectrum or a table", OF_ONE_WAVE),
+    Rule(OTHER_THAN_ONE & Changed("waves.period"), "waves.period", "left out beside a spectrum, a table or a record", OF_ONE_WAVE),
+    Rule(OTHER_THAN_ONE & Given("waves.phase"), "waves.phase", "0 beside a spectrum, a table or a record", OF_ONE_WAVE),
     Rule(TABLE & Changed("waves.direction"), "waves.direction", "0 beside waves.table", "Give the directions in the table."),
     Rule(
         Given("waves.spreading_exponent") & ~SPECTRUM, "waves.spreading_exponent", "0 without a spectrum",
@@ -122,8 +138,11 @@ RULES = (
         Given("seabed.laid_from_anchor") & ~(Given("seabed.friction_coefficient") & Given("lower_end.anchored")), "seabed.laid_from_anchor",
         "false without friction and an anchor", "Give seabed.friction_coefficient and set lower_end.anchored = true.",
     ),
-    Rule(Given("current.levels") & Given("current.speed"), "current.speed", "0 beside current.levels", "Keep one of them."),
-    Rule(Given("current.levels") & Given("current.direction"), "current.direction", "0 beside current.levels", "Keep one of them."),
+    Rule(LEVELS & Given("current.speed"), "current.speed", "0 beside current.levels", "Keep one of them."),
+    Rule(LEVELS & Given("current.direction"), "current.direction", "0 beside current.levels", "Keep one of them."),
+    Rule(CHANGING & Given("current.speed"), "current.speed", "0 beside current.table", "Keep one of them."),
+    Rule(CHANGING & Given("current.direction"), "current.direction", "0 beside current.table", "Keep one of them."),
+    Rule(CHANGING & LEVELS, "current.levels", "empty beside current.table", "Keep one of them."),
     Rule(
         Given("lower_end.released") & ~Given("lower_end.anchored"), "lower_end.released", "false without an anchor",
         "Set lower_end.anchored = true and its x, y, z.",
@@ -177,6 +196,7 @@ RULES = (
     Rule(~SPACE & Given("waves.direction"), "waves.direction", *ACROSS),
     Rule(~SPACE & Given("waves.table", column=2), "waves.table", *ACROSS, column=2),
     Rule(~SPACE & Given("current.levels", column=2), "current.levels", *ACROSS, column=2),
+    Rule(~SPACE & Given("current.table", column=3), "current.table", *ACROSS, column=3),
 )  # fmt: skip
 
 
@@ -234,6 +254,23 @@ def rising(rows: Sequence[Sequence[float]], columns: int = 1) -> bool:
     return all(low[k] < high[k] for low, high in pairwise(rows) for k in range(columns))
 
 
+def _is_grid(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether rows of [time, z, ...] have the same z at every time, each once."""
+    levels: dict[float, list[float]] = {}
+    for time, z, *_ in rows:
+        levels.setdefault(time, []).append(z)
+    grids = [sorted(each) for each in levels.values()]
+    return all(grid == grids[0] and rising([[z] for z in grid]) for grid in grids)
+
+
+def _is_even(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether there are no rows, or some whose first values rise by equal steps."""
+    if not rows:
+        return True
+    steps = [high[0] - low[0] for low, high in pairwise(rows)]
+    return len(rows) >= FEWEST_OF_A_RECORD and all(step > 0.0 and abs(step - steps[0]) <= EVEN * steps[0] for step in steps)
+
+
 # of tables, which have no place in FMUs: the name, whether its rows are right, what they must be and what to do
 TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
     ("winch.speeds", rising, "sorted by time without repeats", "Sort the rows by time."),
@@ -242,6 +279,10 @@ TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
         "[0, 0] and rows of rising strain and tension", "Sort the rows by strain.",
     ),
     ("current.levels", lambda rows: rising(rows) or rising(rows[::-1]), "sorted by z without repeats", "Sort the table by z."),
+    ("current.table", _is_grid, "the same levels at every time, each once", "Give every level at every time."),
+    (
+        "waves.record", _is_even, f"at least {FEWEST_OF_A_RECORD} rows of time that rises by equal steps", "Sort the rows, and fill gaps.",
+    ),
 )  # fmt: skip
 
 

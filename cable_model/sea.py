@@ -1,4 +1,4 @@
-"""The components of a sea: one regular wave, a table, or a spectrum in bands; the table that the kernels sum."""
+"""The components of a sea: one regular wave, a table, a record, or a spectrum in bands; the table that the kernels sum."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ PERIODS = np.linspace(0.0, 2.4, 2401)  # over the peak's: on longer waves the sp
 GAUSS = np.polynomial.legendre.leggauss(4)
 LOWER = 0.75  # share of the lower wave in the energy of the last band
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+KEPT = 0.9999  # of a record's variance: the largest components that together have it; the rest is 1 % of its deviation
 DEEP = 40.0  # k depth beyond which water is deep
 
 
@@ -115,6 +116,26 @@ def _from_spectrum(waves: Waves) -> np.ndarray:
     return np.column_stack((np.sqrt(2.0 * energies), frequencies, _directions(waves, energies, random.uniform()), phases))
 
 
+def _from_record(waves: Waves) -> np.ndarray:
+    """Rows of amplitude, angular frequency, direction, phase: the Fourier series of a record, less its mean.
+
+    It is the record at its times, but for what KEPT leaves out, and repeats after it; its step from the last row to the first is in it too.
+    """
+    rows = np.array(waves.record)
+    count = len(rows)
+    step = (rows[-1, 0] - rows[0, 0]) / (count - 1)
+    terms = np.fft.rfft(rows[:, 1])[1:] * (2.0 / count)
+    if count % 2 == 0:
+        terms[-1] *= 0.5  # the highest is there once
+    frequencies = 2.0 * math.pi / (count * step) * np.arange(1, len(terms) + 1)
+    amplitudes = np.abs(terms)
+    phases = frequencies * rows[0, 0] - np.angle(terms)
+    order = np.argsort(-amplitudes, kind="stable")
+    variance = np.cumsum(amplitudes[order] ** 2)
+    kept = np.sort(order[: 1 + int(np.searchsorted(variance, KEPT * variance[-1]))])
+    return np.column_stack((amplitudes[kept], frequencies[kept], np.full(len(kept), waves.direction), phases[kept]))
+
+
 def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
     """The table (k, 6) of kernels.waves, or None where there are no waves."""
     if waves.spectrum != "none" and waves.significant_height > 0.0:
@@ -122,6 +143,8 @@ def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
     elif waves.table:
         given = np.array(waves.table)
         rows = np.column_stack((given[:, 0], 2.0 * math.pi / given[:, 1], given[:, 2], given[:, 3]))
+    elif waves.record:
+        rows = _from_record(waves)
     elif waves.amplitude > 0.0:
         rows = np.array([[waves.amplitude, 2.0 * math.pi / waves.period, waves.direction, waves.phase]])
     else:

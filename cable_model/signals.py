@@ -10,6 +10,7 @@ INPUTS = (
     "lower.x", "lower.y", "lower.z",
     "lower.vx", "lower.vy", "lower.vz",
     "lower.ax", "lower.ay", "lower.az",
+    "water.current_x", "water.current_y",
 )  # fmt: skip
 
 OUTPUTS = (

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Result:
-    """Time series of a run: `table` (rows, 1 + 19 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
+    """Time series of a run: `table` (rows, 1 + 21 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
     `shapes` are positions of the nodes from the lower end to the top, m, `tensions` (rows, points) those there, N, and `arc_lengths`
     (rows, points) where they are on the unstretched cable, from the lower end, m; None where the result is not of a model.

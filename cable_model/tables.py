@@ -18,6 +18,12 @@ def current(scene: Any) -> np.ndarray:
     return np.array([[z, speed * math.cos(direction), speed * math.sin(direction)] for z, speed, direction in rows])
 
 
+def current_over_time(scene: Any) -> np.ndarray:
+    """Rows of time, z, velocity x, velocity y (s, m, m/s), sorted by time and rising z."""
+    rows = sorted(scene.current.table)
+    return np.array([[time, z, speed * math.cos(direction), speed * math.sin(direction)] for time, z, speed, direction in rows])
+
+
 def waves(scene: Any) -> np.ndarray | None:
     """Rows of components, see sea.components."""
     return components(scene.waves, scene.environment.gravity, scene.water.depth)

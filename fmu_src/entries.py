@@ -13,10 +13,11 @@ from cable_model.signals import INPUTS
 # a part in a variant: compiled without, compiled in, decided at run time, compiled in where zeros give what its absence gives
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
-TABLES = {"current": 3, "waves": 6, "curve": 3, "sections": 10, "line_bodies": 5}  # the tables that an entry takes, and their columns
+# the tables that an entry takes, and their columns
+TABLES = {"current": 3, "current_table": 4, "waves": 6, "curve": 3, "sections": 10, "line_bodies": 5}
 RELEASED = "released"  # beside the parts of a variant: whether the cable hangs anchored and is let go at the start
 SIZES, START, STEP, ADVANCE, NODES, OUTPUTS, SHAPE = range(7)  # what an entry is asked for, see fmu_src.native.export
-ROWS, COLUMNS = 9, 7  # of a path of the cable's ends
+ROWS, COLUMNS = 9, 9  # of a path of the cable's ends
 PATH, END, WORK = 0, ROWS * COLUMNS, ROWS * COLUMNS + len(INPUTS)  # places in an entry's work array: path, end inputs, kernels' own
 EXTERNAL = (
     "acos", "asin", "atan", "atan2", "ceil", "cos", "cosh", "exp", "expm1", "floor", "fmod", "hypot", "log", "log1p", "memcpy", "memmove",

@@ -240,8 +240,10 @@ def generic_scene() -> Scene:
 OF_SECTIONS = (*(f"cable.{name}" for name in ("length", *SHARED)), "solver.nodes")
 _REPLACED = (  # what a baked table or spectrum takes the place of
     ("current.levels", "a table of the current", ("current.speed", "current.direction")),
+    ("current.table", "a current over time", ("current.speed", "current.direction")),
     ("waves.spectrum", "a spectrum of waves", ("wave.amplitude", "wave.period", "wave.phase")),
     ("waves.table", "a table of waves", ("wave.amplitude", "wave.period", "wave.direction", "wave.phase")),
+    ("waves.record", "a record of waves", ("wave.amplitude", "wave.period", "wave.phase")),
     ("cable.stiffness_curve", "a table of the stiffness", ("cable.axial_stiffness",)),
     ("cable.section", "a cable of sections", OF_SECTIONS),
     ("cable.body", "a cable with bodies on it", OF_SECTIONS),

@@ -25,7 +25,8 @@ from cable_model.signals import OUTPUTS as SIGNALS
 from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, TABLES, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
-_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in "ppiddippppipipipipipipip"))  # releases the interpreter's lock
+_KINDS_OF_ENTRY = "ppiddippp" + "pi" * len(TABLES) + "pipip"
+_ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in _KINDS_OF_ENTRY))  # releases the interpreter's lock
 _NO_ROWS = {name: np.zeros((int(name == "current"), columns)) for name, columns in TABLES.items()}  # no current is one level at rest
 
 

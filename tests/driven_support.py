@@ -37,7 +37,7 @@ def about(place: tuple[float, float, float], sway: tuple[float, float, float], o
 
 
 def inputs(top: Motion, low: Motion) -> Motion:
-    """All inputs (19,), of which the winch's is 0, from the motions of both ends."""
+    """Inputs (19,), of which the winch's is 0, from the motions of both ends."""
     return lambda t: np.concatenate([top(t), [0.0], low(t)])
 
 

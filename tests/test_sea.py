@@ -153,7 +153,7 @@ def test_a_seed_gives_one_sea_and_another_seed_another():
 
 def test_the_surface_in_time_has_the_significant_height():
     rows = table(count=200)
-    heights = [elevation(rows, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
+    heights = [elevation(rows, None, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
     assert 4.0 * np.std(heights) == pytest.approx(HEIGHT, rel=0.03)
 
 

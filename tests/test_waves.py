@@ -39,7 +39,7 @@ def test_wave_numbers_obey_the_dispersion_relation(depth, omega):
 def test_gradient_and_acceleration_are_derivatives_of_the_velocity(kind, depth, z):
     parts, place, t, h = sea(depth, **KINDS[kind]), np.array([2.0, -1.0, z]), 1.7, 1e-6
     if kind == "cut" and z > 0.0:
-        surface = elevation(parts.waves, tuple(place), t)[0]
+        surface = elevation(parts.waves, None, tuple(place), t)[0]
         place[2] = surface + 0.03  # in the taper of 0.05 * 1.1 m
     _, acceleration, gradient = wave_motion(parts, tuple(place), t)
 
@@ -66,7 +66,7 @@ def test_the_flow_is_a_potential_flow_over_an_impermeable_bottom(depth):
 @pytest.mark.parametrize("depth", [0.0, 3.0])
 def test_the_surface_rises_as_the_water_there_does(depth):
     parts = sea(depth)
-    _, rate, _ = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)
+    _, rate, _ = elevation(parts.waves, None, (2.0, -1.0, 0.0), 0.4)
     assert wave_motion(parts, (2.0, -1.0, 0.0), 0.4)[0][2] == pytest.approx(rate, rel=1e-12)
 
 
@@ -78,7 +78,7 @@ def test_in_great_depth_waves_are_those_of_deep_water():
 def test_stretched_waves_have_at_the_surface_what_held_ones_have_at_still_water():
     for depth in (0.0, 12.0):
         parts = sea(depth, stretched=True)
-        surface = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)[0]
+        surface = elevation(parts.waves, None, (2.0, -1.0, 0.0), 0.4)[0]
         at_surface = wave_motion(parts, (2.0, -1.0, surface - 1e-12), 0.4)[0]
         assert at_surface == pytest.approx(wave_motion(sea(depth), (2.0, -1.0, 0.0), 0.4)[0], rel=1e-9)
         if depth:
@@ -87,7 +87,7 @@ def test_stretched_waves_have_at_the_surface_what_held_ones_have_at_still_water(
 
 def test_cut_waves_end_at_the_surface():
     parts = sea(0.0, cut=True)
-    surface = elevation(parts.waves, (2.0, -1.0, 0.0), 0.4)[0]
+    surface = elevation(parts.waves, None, (2.0, -1.0, 0.0), 0.4)[0]
     assert wave_motion(parts, (2.0, -1.0, surface + 0.06), 0.4)[0] == (0.0, 0.0, 0.0)
     assert wave_motion(parts, (2.0, -1.0, surface - 1e-9), 0.4)[0] == wave_motion(sea(0.0), (2.0, -1.0, surface - 1e-9), 0.4)[0]
 

@@ -5,7 +5,16 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit
 from cable_model.kernels.build import build
-from cable_model.kernels.chain_ends import Course, an_end_leaves_plane, closing_velocities, end_rates, ends_on, held_place, move_ends
+from cable_model.kernels.chain_ends import (
+    Course,
+    an_end_leaves_plane,
+    closing_velocities,
+    end_rates,
+    ends_on,
+    held_place,
+    in_water_at,
+    move_ends,
+)
 from cable_model.kernels.chain_outputs import in_axes, outputs, points, winding_now
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
@@ -21,7 +30,7 @@ from cable_model.kernels.error_control import (
 )
 from cable_model.kernels.exchange import TO_LOWER, add_averaged, begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
-from cable_model.kernels.fluid import flows
+from cable_model.kernels.fluid import flows, in_water_now
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
 from cable_model.kernels.path import WINCH, Ends, arrival, winch_turns
@@ -59,6 +68,11 @@ def initialize(parts, p, time, state, work):
 @kernel
 def settle(parts, p, time, state, work):
     """Static equilibrium under the top of the header, in the water's velocity of this moment: drag does not jump when the run begins."""
+    state[header.TIME] = state[header.START] = time
+    if parts.space is None and state[header.STREAM + 1] != 0.0:
+        state[header.ERROR_TIME] = time
+        return header.OUT_OF_PLANE
+    parts = in_water_now(parts, p, state)
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
     grid.place_nodes(parts.box, parts.anchor, parts, problem, p[0].solver.grading, view.mesh)
@@ -73,7 +87,7 @@ def settle(parts, p, time, state, work):
     if depth > 0.0 and state[header.TOP + 2] - problem.cable.length < -depth:
         return header.BELOW_WAVES
     neutral, _, _ = is_neutral(parts, p)
-    if parts.anchor is None and neutral and not flows(parts.current):
+    if parts.anchor is None and neutral and not flows(parts):
         return header.WEIGHTLESS
     return status if parts.slack is not None else header.NO_SLACK
 
@@ -81,6 +95,7 @@ def settle(parts, p, time, state, work):
 @kernel
 def set_off(parts, p, time, state, work):
     """Rates of change of a cable in place and at rest, whose ends alone move already; no steps yet."""
+    parts = in_water_now(parts, p, state)
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
     top = vector_at(parts, state, header.TOP)
@@ -130,7 +145,9 @@ def _shift(state, ahead, h):
 @kernel
 def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, least):
     """One internal step from time + done; returns the Newton iterations or a negative status.  `least`: see _drawn_to, not below it."""
-    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    averaged = done + (1.0 - c.alpha_k) * h
+    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
+    parts = in_water_at(parts, course, time, averaged)
     last = state[header.STEP]
     shift = _shift(state, c.alpha_m - c.alpha_k, h)
     reach = h / last if last >= tiny else 0.0
@@ -146,7 +163,9 @@ def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, le
 
 @kernel
 def _count(parts, problem, view, state, c, time, course, done, h):
-    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    averaged = done + (1.0 - c.alpha_k) * h
+    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
+    parts = in_water_at(parts, course, time, averaged)
     before, slower = ends_on(parts, course, done)
     after, faster = ends_on(parts, course, done + h)
     force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
@@ -179,7 +198,9 @@ def _local_error(parts, problem, view, state, c, time, course, done, h):
     first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
     second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
     share, reach = (first, 0.0) if first > 1e-12 else (second, h)
-    winding = _winding(parts.winch, parts, problem, view, state, course, done + (1.0 - c.alpha_k) * h)
+    averaged = done + (1.0 - c.alpha_k) * h
+    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
+    parts = in_water_at(parts, course, time, averaged)
     before, _ = ends_on(parts, course, done)
     after, _ = ends_on(parts, course, done + h)
     miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before.top, after.top, winding)
@@ -216,6 +237,7 @@ def advance(parts, p, time, span, path, state, work):
     truncation error of a step, as an acceleration, is kept below TOLERATED tolerance times that of the largest motion so far (at
     least LEAST_MOTION g, at most g); solver.time_step is then the longest step.
     """
+    parts = in_water_now(parts, p, state)
     view = cut(parts, p, state, work)
     problem = build(parts, p, 0.0)
     refused = _winch_refused(parts.winch, path, problem.cable.length)

@@ -4,15 +4,16 @@ from typing import NamedTuple
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.fluid import Stream, with_stream
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes, vector_at
-from cable_model.kernels.path import LOWER_END, UPPER_END, Ends, arrive, leaves_plane
+from cable_model.kernels.path import CARRIED, LOWER_END, UPPER_END, Ends, arrive, leaves_plane, stream_crosses, take_stream
 from cable_model.kernels.pending import followed
 from cable_model.kernels.vector import axpy, sub
 
 
 class Course(NamedTuple):
-    """Where the ends and the winch go while a communication step is integrated."""
+    """Where the ends, the winch and the water go while a communication step is integrated."""
 
     path: object
     span: float  # s
@@ -51,6 +52,27 @@ def ends_on(parts, course, time):
     top, top_velocity = _end_on(parts, course, UPPER_END, time)
     lower, lower_velocity = _lower_on(parts.driven, parts, course, time)
     return Ends(top, lower), Ends(top_velocity, lower_velocity)
+
+
+@kernel
+def _in_stream(stream, parts, course, began, done):
+    _, x, rate_x = followed(course.path, course.span, course.bridge, course.pending, done, CARRIED)
+    _, y, rate_y = followed(course.path, course.span, course.bridge, course.pending, done, CARRIED + 1)
+    return with_stream(parts, Stream(x, y, rate_x, rate_y, began + done))
+
+
+@kernel
+def _as_they_are(stream, parts, course, began, done):
+    return parts
+
+
+_flowing = by_presence(_as_they_are, _in_stream)
+
+
+@kernel
+def in_water_at(parts, course, began, done):
+    """The parts with the current that inputs give `done` after a communication step began."""
+    return _flowing(parts.stream, parts, course, began, done)
 
 
 @kernel
@@ -144,9 +166,11 @@ def closing_velocities(parts, p, view, velocities, places, h):
 
 @kernel
 def an_end_leaves_plane(parts, path, state, length):
-    """Whether an end leaves the vertical plane of a chain that moves in one."""
+    """Whether an end, or a current that inputs give, leaves the vertical plane of a chain that moves in one."""
     if parts.space is not None:
         return False
+    if stream_crosses(path):
+        return True
     y = state[header.TOP + 1]
     if parts.driven is not None and leaves_plane(path, y, length, LOWER_END):
         return True
@@ -155,7 +179,8 @@ def an_end_leaves_plane(parts, path, state, length):
 
 @kernel
 def move_ends(parts, path, state):
-    """Take the ends to the end of a path."""
+    """Take the ends and the stream to the end of a path."""
+    take_stream(path, state)
     arrive(UPPER_END, path, state)
     if parts.driven is not None:
         arrive(LOWER_END, path, state)

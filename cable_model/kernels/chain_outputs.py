@@ -7,6 +7,7 @@ from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
 from cable_model.kernels.family import coefficients
+from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.layout import cut, led_on, vector_at
 from cable_model.kernels.pending import tensions_ahead
@@ -47,6 +48,7 @@ def points(parts, p, state, work, told, even, out):
     `even`: they are at equal unstretched lengths from one another; else they are the nodes.  `told` are the outputs now, which have the
     tensions at the ends.
     """
+    parts = in_water_now(parts, p, state)
     problem = build(parts, p, 0.0)
     view = _now(parts, p, state, work)
     at = vector_at(parts, state, header.TOP)
@@ -81,6 +83,7 @@ def _tell_point(parts, state, at, tension, row):
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
+    parts = in_water_now(parts, p, state)
     problem = build(parts, p, 0.0)
     view = _now(parts, p, state, work)
     ahead = _tensions_ahead(p, state)

@@ -1,4 +1,4 @@
-"""The choice between two kernels by whether a part is present, and parts without some of them, made when numba compiles.
+"""The choice between two kernels by whether a part is present, and parts without or with other ones, made when numba compiles.
 
 numba drops the branch of `if part is None` only where the part is absent: where it is present both branches must still agree
 in their types.  A choice made here compiles one side only, so the two sides may return different things.
@@ -39,3 +39,19 @@ def without(*names):
         return eval(f"lambda parts: made({', '.join('None' if n in names else f'parts.{n}' for n in made._fields)})", {"made": made})
 
     return fewer
+
+
+def given(*names):
+    """A function f(parts, *values) that gives the same parts with a value for each of these that is present."""
+
+    def told(parts, *values):
+        return parts._replace(**{name: value for name, value in zip(names, values, strict=True) if getattr(parts, name) is not None})
+
+    @overload(told, jit_options=inner_options())
+    def _compiled(parts, *values):
+        made = parts.instance_class
+        absent = {name for name, kind in zip(made._fields, parts.types, strict=True) if isinstance(kind, types.NoneType)}
+        members = [f"values[{names.index(n)}]" if n in names and n not in absent else f"parts.{n}" for n in made._fields]
+        return eval(f"lambda parts, *values: made({', '.join(members)})", {"made": made})
+
+    return told

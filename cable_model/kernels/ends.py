@@ -1,4 +1,4 @@
-"""How the inputs of communication steps move the ends of the cable, and its winch: paths through them, and beyond them."""
+"""How the inputs of communication steps move the ends of the cable, its winch and the water: paths through them, and beyond them."""
 
 import math
 
@@ -7,16 +7,31 @@ from cable_model.kernels.header import (
     ERROR_TIME,
     INPUT_STEPS,
     INPUTS,
+    KEPT_STREAM,
+    NO_STREAM,
     NOT_DRIVEN,
     OK,
     PAID_OUT,
     SHORTEST,
     STEP,
+    STREAM,
     WINCH_ACCELERATION,
     WINCH_SPEED,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import COLUMNS, LOWER_END, UPPER_END, WINCH, quintic, shorten, wind
+from cable_model.kernels.path import (
+    CARRIED,
+    COLUMNS,
+    GIVEN_STREAM,
+    LOWER_END,
+    UPPER_END,
+    WINCH,
+    carry,
+    glide,
+    quintic,
+    shorten,
+    wind,
+)
 
 KEPT = 4  # inputs, see header.INPUTS
 NEAR = 0.1  # of the time that is extrapolated over: inputs that are nearer to one another tell little about it, and rounding much
@@ -95,7 +110,7 @@ def _smoothness(state, inputs, which, first, newest, low, factor, h):
 
 @kernel
 def predict(order, state, inputs, which, newest, h, end):
-    """Where an end will be a time h after the inputs (19,), into `end` (9,); 0: where it is, what is not given from what is.
+    """Where an end will be a time h after the inputs (21,), into `end` (9,); 0: where it is, what is not given from what is.
 
     order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  The highest that is given is extrapolated by
     the polynomial through its last values (Newton's divided differences; cubic for positions, parabola for velocities, line for
@@ -129,35 +144,48 @@ def predict(order, state, inputs, which, newest, h, end):
 
 
 @kernel
-def refuse_lower_end(p, time, state, inputs):
-    """A status: NOT_DRIVEN where inputs (19,) place or move a lower end that nothing drives; its columns of paths stay 0."""
-    if p[0].lower_end.driven > 0.0:
-        return OK
-    for k in range(LOWER_END.given, LOWER_END.given + 9):
-        if inputs[k] != 0.0:
-            state[ERROR_TIME] = time
-            return NOT_DRIVEN
-    return OK
+def _any_of(inputs, first, count):
+    largest = 0.0
+    for k in range(first, first + count):
+        largest = max(largest, abs(inputs[k]))
+    return largest > 0.0
+
+
+@kernel
+def refuse_inputs(p, time, state, inputs):
+    """A status: NOT_DRIVEN or NO_STREAM where inputs (21,) move a lower end, or water, that nothing drives; its columns of paths stay 0."""
+    status = OK
+    if p[0].lower_end.driven == 0.0 and _any_of(inputs, LOWER_END.given, 9):
+        status = NOT_DRIVEN
+    elif p[0].water.current_input == 0.0 and _any_of(inputs, GIVEN_STREAM, 2):
+        status = NO_STREAM
+    if status != OK:
+        state[ERROR_TIME] = time
+    return status
 
 
 @kernel
 def follow_inputs(order, p, state, inputs, h, end, path):
-    """The path over a step of h that inputs (19,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
+    """The path over a step of h that inputs (21,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
     driven = p[0].lower_end.driven > 0.0
+    streams = p[0].water.current_input > 0.0
     if p[0].top.inputs_at > 0.0:
-        _arrive(driven, order, state, inputs, h, end, path)
+        _arrive(driven, streams, order, state, inputs, h, end, path)
     else:
-        _lead_on(driven, order, state, inputs, h, end, path)
+        _lead_on(driven, streams, order, state, inputs, h, end, path)
 
 
 @kernel
 def follow_ends(p, state, start, end, h, path):
-    """The path over a step of h from inputs (19,) at its start to those at its end."""
+    """The path over a step of h from inputs (21,) at its start to those at its end."""
     quintic(start[0:9], end[0:9], h, path, UPPER_END.column)
     wind(state[PAID_OUT], start[9], end[9], h, path)
     given = LOWER_END.given
     if p[0].lower_end.driven > 0.0:
         quintic(start[given : given + 9], end[given : given + 9], h, path, LOWER_END.column)
+    if p[0].water.current_input > 0.0:
+        for k in range(2):
+            glide(CARRIED + k, 0.0, start[GIVEN_STREAM + k], end[GIVEN_STREAM + k], h, path)
 
 
 @kernel
@@ -168,7 +196,7 @@ def _go_to(which, order, state, inputs, newest, ahead, h, end, path):
 
 
 @kernel
-def _arrive(driven, order, state, inputs, h, end, path):
+def _arrive(driven, streams, order, state, inputs, h, end, path):
     """The path that ends exactly where the inputs are; those kept get older by the step."""
     state[INPUT_STEPS] += h
     newest = _first_kept(state, _told_over(state, True, h))
@@ -176,24 +204,35 @@ def _arrive(driven, order, state, inputs, h, end, path):
     if driven:
         _go_to(LOWER_END, order, state, inputs, newest, 0.0, h, end, path)
     wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9], h, path)
+    if streams:
+        carry(state, inputs[GIVEN_STREAM], inputs[GIVEN_STREAM + 1], h, path)
 
 
 @kernel
-def _lead_on(driven, order, state, inputs, h, end, path):
+def _ahead(state, given, column, newest, whole):
+    """Where the line through an input and the one kept before it leads in a time of `whole`."""
+    age, _, _ = _ages(state, newest)
+    ahead = 0.0
+    if age > 0.0:
+        ahead = (given - state[INPUTS + COLUMNS * newest + column]) * whole / age
+    return given + ahead
+
+
+@kernel
+def _lead_on(driven, streams, order, state, inputs, h, end, path):
     """The path to where the ends will be after `horizon`, of which a shorter step goes a part.
 
-    The winch's speed goes on to where the line through its last two inputs leads.
+    The winch's speed and the stream go on to where the line through their last two inputs leads.
     """
     whole = horizon(state, h)
     newest = _first_kept(state, whole)
     _go_to(UPPER_END, order, state, inputs, newest, whole, whole, end, path)
     if driven:
         _go_to(LOWER_END, order, state, inputs, newest, whole, whole, end, path)
-    age, _, _ = _ages(state, newest)
-    ahead = 0.0
-    if age > 0.0:
-        ahead = (inputs[9] - state[INPUTS + COLUMNS * newest + WINCH]) * whole / age
-    wind(state[PAID_OUT], state[WINCH_SPEED], inputs[9] + ahead, whole, path)
+    wind(state[PAID_OUT], state[WINCH_SPEED], _ahead(state, inputs[9], WINCH, newest, whole), whole, path)
+    if streams:
+        x = _ahead(state, inputs[GIVEN_STREAM], CARRIED, newest, whole)
+        carry(state, x, _ahead(state, inputs[GIVEN_STREAM + 1], CARRIED + 1, newest, whole), whole, path)
     if whole > h:
         shorten(path, h / whole, h)
 
@@ -222,6 +261,8 @@ def _keep_newest(order, state, inputs):
         state[INPUTS + k] = inputs[3 * order + k]
         state[INPUTS + LOWER_END.column + k] = inputs[LOWER_END.given + 3 * order + k]
     state[INPUTS + WINCH] = inputs[9]
+    for k in range(2):
+        state[INPUTS + CARRIED + k] = inputs[GIVEN_STREAM + k]
 
 
 @kernel
@@ -239,6 +280,10 @@ def start_ends(order, p, state, inputs):
     state[PAID_OUT] = 0.0
     state[WINCH_SPEED] = inputs[9]
     state[WINCH_ACCELERATION] = 0.0
+    for k in range(2):
+        state[STREAM + k] = inputs[GIVEN_STREAM + k]
+        state[STREAM + 2 + k] = 0.0
+        state[KEPT_STREAM + k] = 0.0
     for k in range(INPUTS, INPUT_STEPS + KEPT):
         state[k] = 0.0
     if p[0].top.inputs_at > 0.0:

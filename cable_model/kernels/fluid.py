@@ -1,10 +1,44 @@
-"""Water around a cable: velocity and acceleration of current and waves, and the Morison drag of a cable element and of a body."""
+"""Water around a cable: velocity and acceleration of current and waves, and the Morison drag of a cable element and of a body.
+
+The current is that of levels, or of a table over time and height; it may grow from the start, and inputs may add to it.  Parts that need
+to know more than the numbers of a scene are told so by `in_water_now`: when the run began, and what inputs say.
+"""
 
 import math
+from typing import NamedTuple
 
+from cable_model.kernels.choice import by_presence, given
+from cable_model.kernels.header import START, STREAM, TIME
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
-from cable_model.kernels.waves import wave_motion
+from cable_model.kernels.waves import Ramp, grown, wave_motion
+
+
+class Stream(NamedTuple):
+    """A current that is the same everywhere and changes linearly."""
+
+    x: float  # m/s, at the time `at`
+    y: float
+    rate_x: float  # m/s2
+    rate_y: float
+    at: float  # s
+
+
+with_stream = given("stream")
+_with_flow = given("stream", "current_ramp", "wave_ramp")
+
+
+@kernel
+def in_water_now(parts, p, state):
+    """The parts with the start of the run, and the current that inputs give now."""
+    stream = Stream(state[STREAM], state[STREAM + 1], state[STREAM + 2], state[STREAM + 3], state[TIME])
+    return _with_flow(parts, stream, Ramp(state[START], p[0].current.ramp_time), Ramp(state[START], p[0].waves.ramp_time))
+
+
+@kernel
+def is_steady(parts):
+    """Whether the water never accelerates."""
+    return parts.waves is None and parts.current_table is None and parts.current_ramp is None and parts.stream is None
 
 
 @kernel
@@ -23,44 +57,126 @@ def horizontal_by_height(vx, vy, like):
 
 
 @kernel
-def flows(current):
-    """Whether there is a current: a table may be at rest, as those of FMUs that have the part always are by default."""
-    if current is None:
+def _is_fast(table, first):
+    """Whether any of the velocities in columns from `first` on is not 0."""
+    if table is None:
         return False
     fastest = 0.0
-    for i in range(current.shape[0]):
-        fastest = max(fastest, abs(current[i, 1]), abs(current[i, 2]))
+    for i in range(table.shape[0]):
+        fastest = max(fastest, abs(table[i, first]), abs(table[i, first + 1]))
     return fastest > 0.0
 
 
 @kernel
-def current_velocity(current, position):
-    """Velocity of the current and its gradient; linear between the levels of the table, held beyond its ends."""
+def _streams(stream):
+    if stream is None:
+        return False
+    return stream.x != 0.0 or stream.y != 0.0
+
+
+@kernel
+def flows(parts):
+    """Whether there is a current: a table may be at rest, as those of FMUs that have the part always are by default."""
+    return _streams(parts.stream) or _is_fast(parts.current, 1) or _is_fast(parts.current_table, 2)
+
+
+@kernel
+def _between_levels(table, column, first, beyond, position):
+    """Velocity of the current and its gradient from rows of z, vx, vy in columns from `column` on: linear, held beyond the ends."""
+    z = position[len(position) - 1]
+    last = beyond - 1
+    if z <= table[first, column]:
+        return horizontal(table[first, column + 1], table[first, column + 2], position), diagonal(0.0, position)
+    if z >= table[last, column]:
+        return horizontal(table[last, column + 1], table[last, column + 2], position), diagonal(0.0, position)
+    i = first + 1
+    while table[i, column] < z:
+        i += 1
+    dz = table[i, column] - table[i - 1, column]
+    sx = (table[i, column + 1] - table[i - 1, column + 1]) / dz
+    sy = (table[i, column + 2] - table[i - 1, column + 2]) / dz
+    above = z - table[i - 1, column]
+    velocity = horizontal(table[i - 1, column + 1] + sx * above, table[i - 1, column + 2] + sy * above, position)
+    return velocity, horizontal_by_height(sx, sy, position)
+
+
+@kernel
+def _by_height(current, position):
+    """Velocity of a steady current and its gradient."""
     if current is None:
         return zero(position), diagonal(0.0, position)
-    z = position[len(position) - 1]
-    last = current.shape[0] - 1
-    if z <= current[0, 0]:
-        return horizontal(current[0, 1], current[0, 2], position), diagonal(0.0, position)
-    if z >= current[last, 0]:
-        return horizontal(current[last, 1], current[last, 2], position), diagonal(0.0, position)
-    i = 1
-    while current[i, 0] < z:
-        i += 1
-    dz = current[i, 0] - current[i - 1, 0]
-    sx = (current[i, 1] - current[i - 1, 1]) / dz
-    sy = (current[i, 2] - current[i - 1, 2]) / dz
-    above = z - current[i - 1, 0]
-    velocity = horizontal(current[i - 1, 1] + sx * above, current[i - 1, 2] + sy * above, position)
-    return velocity, horizontal_by_height(sx, sy, position)
+    return _between_levels(current, 0, 0, current.shape[0], position)
+
+
+@kernel
+def _rows_until(table, t):
+    """How many rows, whose times rise, are not later than t."""
+    low, high = 0, table.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if table[middle, 0] <= t:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def _by_time(table, current, position, t):
+    """From rows of time, z, vx, vy, as many at each time: linear, held before and after."""
+    count = _rows_until(table, table[0, 0])
+    until = min(max(_rows_until(table, t), count), table.shape[0])
+    v, g = _between_levels(table, 1, until - count, until, position)
+    if t <= table[0, 0] or until == table.shape[0]:
+        return v, zero(position), g
+    w, k = _between_levels(table, 1, until, until + count, position)
+    span = table[until, 0] - table[until - 1, 0]
+    share = (t - table[until - 1, 0]) / span
+    rate = mix(1.0 / span, w, -1.0 / span, v)
+    return mix(1.0 - share, v, share, w), rate, add_matrix(scale_matrix(1.0 - share, g), scale_matrix(share, k))
+
+
+@kernel
+def _steady(table, current, position, t):
+    velocity, gradient = _by_height(current, position)
+    return velocity, zero(position), gradient
+
+
+_by_table = by_presence(_steady, _by_time)  # velocity, acceleration and gradient of the current at a position
+
+
+@kernel
+def _alone(stream, velocity, rate, position, t):
+    return velocity, rate
+
+
+@kernel
+def _added(stream, velocity, rate, position, t):
+    since = t - stream.at
+    velocity = add(velocity, horizontal(stream.x + since * stream.rate_x, stream.y + since * stream.rate_y, position))
+    return velocity, add(rate, horizontal(stream.rate_x, stream.rate_y, position))
+
+
+_in_stream = by_presence(_alone, _added)
+
+
+@kernel
+def current_motion(parts, position, t):
+    """Velocity, acceleration and velocity gradient of the current at a position."""
+    velocity, rate, gradient = _by_table(parts.current_table, parts.current, position, t)
+    velocity, rate, gradient = grown(parts.current_ramp, velocity, rate, gradient, t)
+    velocity, rate = _in_stream(parts.stream, velocity, rate, position, t)
+    return velocity, rate, gradient
 
 
 @kernel
 def water_motion(parts, position, t):
     """Velocity, acceleration and velocity gradient of the water at a position: current plus waves."""
-    u, g = current_velocity(parts.current, position)
+    u, b, g = current_motion(parts, position, t)
     w, a, gw = wave_motion(parts, position, t)
-    return add(u, w), a, add_matrix(g, gw)
+    if parts.current_table is None and parts.current_ramp is None and parts.stream is None:
+        return add(u, w), a, add_matrix(g, gw)
+    return add(u, w), add(b, a), add_matrix(g, gw)
 
 
 @kernel

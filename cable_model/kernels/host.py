@@ -14,9 +14,9 @@ host was not told.  So the sum of force told times step is the cable's impulse, 
 
 from cable_model.kernels.ends import NEAR, horizon
 from cable_model.kernels.exchange import MEANS, NEXT, TOLD, tell_exchange
-from cable_model.kernels.header import HOST, PAID_OUT, SHORTEST, TOP, WINCH_ACCELERATION, WINCH_SPEED
+from cable_model.kernels.header import HOST, PAID_OUT, SHORTEST, STREAM, TOP, WINCH_ACCELERATION, WINCH_SPEED
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import ARRIVAL, LOWER_END, go_on, wind
+from cable_model.kernels.path import ARRIVAL, LOWER_END, carry, go_on, wind
 
 # in the state; three numbers each where they are vectors
 KNOWN = HOST  # 0 before the first step; then 1, and 1 more for each mean of the outer force that is known, up to 3
@@ -148,11 +148,12 @@ def lay_path(space, p, state, room, path):
 
 @kernel
 def rest_of_path(state, h, path):
-    """The path of what the mass does not move, of the step after this one: y stays, winch and lower end go on as their speeds changed."""
+    """The path of what the mass does not move, of the step after this one: y stays, all else goes on as its speed changed."""
     for i in range(path.shape[0]):
         path[i, 1] = 0.0
     path[0, 1] = path[ARRIVAL, 1] = state[TOP + 1]
     wind(state[PAID_OUT], state[WINCH_SPEED], state[WINCH_SPEED] + h * state[WINCH_ACCELERATION], h, path)
+    carry(state, state[STREAM] + h * state[STREAM + 2], state[STREAM + 1] + h * state[STREAM + 3], h, path)
     go_on(state, LOWER_END, h, path)
 
 

@@ -1,19 +1,21 @@
 """The prescribed path of the cable's ends within one communication step: a quintic polynomial per axis, continuous to the acceleration.
 
-`path` is (9, 7): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
+`path` is (9, 9): coefficients of s^0 ... s^5 with s = (t - t_start)/H, then position, velocity and acceleration where it ends, which
 the coefficients of a sliver give no better than rounding over H and H^2.  Its columns are x, y, z of the top, the length of cable that
-the winch has paid out, a parabola (its speed changes linearly), and x, y, z of the lower end, 0 where
-nothing drives it.
+the winch has paid out, a parabola (its speed changes linearly), x, y, z of the lower end, 0 where nothing drives it, and x, y of where
+the current that inputs give carries the water since the path's start, parabolas too.
 """
 
 import math
 from typing import NamedTuple
 
-from cable_model.kernels.header import LOWER, TOP
+from cable_model.kernels.header import LOWER, STREAM, TOP
 from cable_model.kernels.jit import kernel
 
 WINCH = 3  # column of the path, and of the inputs that are kept
-ROWS, COLUMNS = 9, 7
+CARRIED = 7  # likewise, the first of two
+GIVEN_STREAM = 19  # place of water.current_x in the inputs
+ROWS, COLUMNS = 9, 9
 PATH = ROWS * COLUMNS  # numbers of a path
 ARRIVAL = 6  # first row of where it ends
 
@@ -58,17 +60,29 @@ def quintic(start, end, h, path, column):
 
 
 @kernel
+def glide(column, place, speed, end_speed, h, path):
+    """A column of the path whose speed changes linearly, from its speeds at both ends of a step of h."""
+    path[0, column] = place
+    path[1, column] = speed * h
+    path[2, column] = 0.5 * (end_speed - speed) * h
+    for i in range(3, ARRIVAL):
+        path[i, column] = 0.0
+    path[ARRIVAL, column] = place + 0.5 * (speed + end_speed) * h
+    path[ARRIVAL + 1, column] = end_speed
+    path[ARRIVAL + 2, column] = (end_speed - speed) / h
+
+
+@kernel
 def wind(paid_out, speed, end_speed, h, path):
     """The winch's column of the path, from its speeds at both ends of a step of h."""
-    path[0, WINCH] = paid_out
-    path[1, WINCH] = speed * h
-    path[2, WINCH] = 0.5 * (end_speed - speed) * h
-    path[3, WINCH] = 0.0
-    path[4, WINCH] = 0.0
-    path[5, WINCH] = 0.0
-    path[ARRIVAL, WINCH] = paid_out + 0.5 * (speed + end_speed) * h
-    path[ARRIVAL + 1, WINCH] = end_speed
-    path[ARRIVAL + 2, WINCH] = (end_speed - speed) / h
+    glide(WINCH, paid_out, speed, end_speed, h, path)
+
+
+@kernel
+def carry(state, x, y, h, path):
+    """The stream's columns of the path, from that of the state to (x, y) at the end of a step of h."""
+    glide(CARRIED, 0.0, state[STREAM], x, h, path)
+    glide(CARRIED + 1, 0.0, state[STREAM + 1], y, h, path)
 
 
 @kernel
@@ -91,6 +105,19 @@ def go_on(state, which, h, path):
         path[ARRIVAL, j] = path[0, j] + path[1, j] + path[2, j]
         path[ARRIVAL + 1, j] = velocity + h * acceleration
         path[ARRIVAL + 2, j] = acceleration
+
+
+@kernel
+def take_stream(path, state):
+    """The stream at the end of a path."""
+    for k in range(2):
+        _, state[STREAM + k], state[STREAM + 2 + k] = arrival(path, CARRIED + k)
+
+
+@kernel
+def stream_crosses(path):
+    """Whether a path has a stream out of the plane y = const."""
+    return path[1, CARRIED + 1] != 0.0 or path[2, CARRIED + 1] != 0.0
 
 
 @kernel

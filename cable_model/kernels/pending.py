@@ -12,6 +12,7 @@ from cable_model.kernels.error_control import GROWTH
 from cable_model.kernels.header import (
     KEPT_LOWER,
     KEPT_PAID_OUT,
+    KEPT_STREAM,
     KEPT_TOP,
     KEPT_WINCH_SPEED,
     LAG,
@@ -21,11 +22,12 @@ from cable_model.kernels.header import (
     PENDING,
     SHORTEST,
     STEP,
+    STREAM,
     TOP,
     WINCH_SPEED,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import LOWER_END, UPPER_END, arrival, evaluate, quintic, wind_between
+from cable_model.kernels.path import CARRIED, LOWER_END, UPPER_END, arrival, evaluate, glide, quintic, wind_between
 
 SHORT = 0.6  # of an internal step: what is shorter than that waits; at a half, a host that halves its steps would lead the chain to slivers
 
@@ -62,17 +64,21 @@ def wait(state, span, path):
                 state[kept + k], state[kept + 3 + k], state[kept + 6 + k] = evaluate(path, span, 0.0, column + k)
         state[KEPT_PAID_OUT] = state[PAID_OUT]
         state[KEPT_WINCH_SPEED] = state[WINCH_SPEED]
+        for k in range(2):
+            state[KEPT_STREAM + k] = state[STREAM + k]
     state[PENDING] += span
 
 
 @kernel
 def build_bridge(state, bridge):
-    """Path of the ends and the winch over the pending time."""
+    """Path of the ends, the winch and the stream over the pending time."""
     pending = state[PENDING]
     if pending > 0.0:
         quintic(state[KEPT_TOP : KEPT_TOP + 9], state[TOP : TOP + 9], pending, bridge, UPPER_END.column)
         quintic(state[KEPT_LOWER : KEPT_LOWER + 9], state[LOWER : LOWER + 9], pending, bridge, LOWER_END.column)
         wind_between(state[KEPT_PAID_OUT], state[KEPT_WINCH_SPEED], state[PAID_OUT], pending, bridge)
+        for k in range(2):
+            glide(CARRIED + k, 0.0, state[KEPT_STREAM + k], state[STREAM + k], pending, bridge)
 
 
 @kernel

@@ -162,14 +162,14 @@ def level_over(parts, position, time, below):
         return 0.0, 0.0
     if parts.stretched is None and parts.cut is None:
         return 0.0, 0.0
-    return _wavy_level(parts.waves, position, time, below)
+    return _wavy_level(parts.waves, parts.wave_ramp, position, time, below)
 
 
 @kernel
-def _wavy_level(waves, position, time, below):
+def _wavy_level(waves, ramp, position, time, below):
     if waves is None:
         return 0.0, 0.0
     if below > _reach(waves):
         return 0.0, 0.0
-    height, rate, _ = elevation(waves, position, time)
+    height, rate, _ = elevation(waves, ramp, position, time)
     return height, rate

@@ -4,7 +4,8 @@ import math
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clock import start_clock
-from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, TOP
+from cable_model.kernels.fluid import in_water_now
+from cable_model.kernels.header import HEADER, NO_EQUILIBRIUM, OK, OUT_OF_PLANE, SHORTEST, START, STREAM, TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import ANGLE, PLANE, STATE, STRETCH, constants, shortest_step
@@ -18,14 +19,14 @@ SCAN = 36  # intervals on each side of the vertical in which equilibria are look
 
 
 @kernel
-def still_loads(parts, c, x, y, phi, u):
-    """Turning moment on the cable at rest in the current, and the mean tension that holds it."""
+def still_loads(parts, c, time, x, y, phi, u):
+    """Turning moment on the cable at rest in the current at a time, and the mean tension that holds it."""
     top = (x, 0.0, 0.0, y, 0.0, 0.0)
     motion = (phi, 0.0, u, 0.0)
     sin = math.sin(phi)
     cos = math.cos(phi)
-    q1, q2, _, _, _ = cable_water(parts.water, in_calm_water(parts), c, top, 0.0, motion)
-    dx, dy, _, _ = body_water(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, motion)
+    q1, q2, _, _, _ = cable_water(parts.water, in_calm_water(parts), c, top, time, motion)
+    dx, dy, _, _ = body_water(parts.body, parts.water, in_calm_water(parts), c, top, time, motion)
     weight = c.body_weight + 0.5 * c.weight
     return (c.length + u) * (-sin * weight - dx * cos - dy * sin) + q1, cos * weight - dx * sin + dy * cos + q2
 
@@ -39,12 +40,12 @@ def _heaviness(parts, c, x, y, phi, u):
 
 
 @kernel
-def stable_angle(parts, c, x, y, u):
+def stable_angle(parts, c, time, x, y, u):
     """Angle of stable balance nearest to the vertical that gravity and buoyancy prefer; NaN where there is none."""
     hang = 0.0
     if _heaviness(parts, c, x, y, 0.0, u) < 0.0:
         hang = math.pi
-    middle, _ = still_loads(parts, c, x, y, hang, u)
+    middle, _ = still_loads(parts, c, time, x, y, hang, u)
     held_up = hang > 0.0 and _heaviness(parts, c, x, y, hang, u) > 0.0  # afloat, but not in the air
     if held_up and abs(middle) <= 1e-12 * c.force * c.length:
         middle = 0.0
@@ -56,8 +57,8 @@ def stable_angle(parts, c, x, y, u):
         for side in (first, -first):
             low = hang + min(side * j * step, side * (j + 1) * step)
             high = low + step
-            m_low, _ = still_loads(parts, c, x, y, low, u)
-            m_high, _ = still_loads(parts, c, x, y, high, u)
+            m_low, _ = still_loads(parts, c, time, x, y, low, u)
+            m_high, _ = still_loads(parts, c, time, x, y, high, u)
             if held_up and j == 0:
                 if side > 0.0:
                     m_low = middle
@@ -66,7 +67,7 @@ def stable_angle(parts, c, x, y, u):
             if m_low >= 0.0 and m_high <= 0.0 and m_low > m_high:
                 for _ in range(60):
                     phi = 0.5 * (low + high)
-                    m, _ = still_loads(parts, c, x, y, phi, u)
+                    m, _ = still_loads(parts, c, time, x, y, phi, u)
                     if m > 0.0:
                         low = phi
                     else:
@@ -76,22 +77,22 @@ def stable_angle(parts, c, x, y, u):
 
 
 @kernel
-def equilibrium(parts, c, x, y):
-    """Angle and stretch at rest in the steady current, and whether they balance."""
+def equilibrium(parts, c, time, x, y):
+    """Angle and stretch at rest in the current of the moment, and whether they balance."""
     u = (c.body_weight + 0.5 * c.weight) / c.spring
     search = no_trial()
     for _ in range(200):
-        phi = stable_angle(parts, c, x, y, u)
+        phi = stable_angle(parts, c, time, x, y, u)
         if not abs(phi) < 10.0:
             return 0.0, 0.0, False
-        _, pull = still_loads(parts, c, x, y, phi, u)
+        _, pull = still_loads(parts, c, time, x, y, phi, u)
         gap = pull / c.spring - u
         u, search = next_stretch(parts.surface, u, gap, search)
         if not u > -0.9 * c.length:
             return 0.0, 0.0, False
         if abs(gap) * c.spring <= 1e-13 * c.force:
             break
-    _, pull = still_loads(parts, c, x, y, phi, u)
+    _, pull = still_loads(parts, c, time, x, y, phi, u)
     balanced = abs(pull - c.spring * u) <= 1e-9 * c.force
     return phi, u, balanced
 
@@ -106,19 +107,19 @@ def above_floor(tension_floor, c, u):
 @kernel
 def hang_in_plane(space, parts, c, state):
     state[PLANE] = state[TOP + 1]
-    phi, u, balanced = equilibrium(parts, c, state[TOP], -state[TOP + 2])
+    phi, u, balanced = equilibrium(parts, c, state[TIME], state[TOP], -state[TOP + 2])
     state[ANGLE] = phi
     state[STRETCH] = u
     return OK if balanced else NO_EQUILIBRIUM
 
 
-_hang = by_presence(hang_in_plane, hang_in_space)  # puts the state at rest in the steady current under its top; returns a status
+_hang = by_presence(hang_in_plane, hang_in_space)  # puts the state at rest in the current of the moment under its top; returns a status
 
 
 @kernel
 def stays_in_plane(space, c, state):
     if space is None:
-        return abs(state[TOP + 4]) <= 1e-9 * c.reference_length * c.pendulum
+        return abs(state[TOP + 4]) <= 1e-9 * c.reference_length * c.pendulum and state[STREAM + 1] == 0.0
     return True
 
 
@@ -129,11 +130,13 @@ def state_size(parts, p):
 
 @kernel
 def initialize(parts, p, time, state, work):
-    """Hang the cable in equilibrium in the steady current under the top of state[TOP:TOP+9], moving with it; returns a status."""
+    """Hang the cable in equilibrium in the current of the moment under the top of state[TOP:TOP+9], moving with it; returns a status."""
     c = constants(parts, p)
     if not stays_in_plane(parts.space, c, state):
         return OUT_OF_PLANE
     start_clock(state, time)
+    state[START] = time
+    parts = in_water_now(parts, p, state)
     for i in range(HEADER, state.shape[0]):
         state[i] = 0.0
     state[SHORTEST] = shortest_step(c)

@@ -3,7 +3,7 @@
 import math
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.header import NO_EQUILIBRIUM, OK
+from cable_model.kernels.header import NO_EQUILIBRIUM, OK, TIME
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import in_calm_water
 from cable_model.kernels.tow import STRETCH
@@ -18,11 +18,11 @@ FARTHEST = 0.2  # rad, turn of the cable in a step
 
 
 @kernel
-def resting_load(parts, c, top, e, u):
-    """Generalized force on R of weight and steady current, with the cable at rest."""
+def resting_load(parts, c, time, top, e, u):
+    """Generalized force on R of weight and current at a time, with the cable at rest."""
     swing = Swing(e, zero(e), e, e)
-    arm, _, _ = cable_water_in_space(parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
-    load, _, _ = body_water_in_space(parts.body, parts.water, in_calm_water(parts), c, top, 0.0, swing, u, 0.0)
+    arm, _, _ = cable_water_in_space(parts.water, in_calm_water(parts), c, top, time, swing, u, 0.0)
+    load, _, _ = body_water_in_space(parts.body, parts.water, in_calm_water(parts), c, top, time, swing, u, 0.0)
     load = add(arm, load)
     return (load[0], load[1], load[2] - c.body_weight - 0.5 * c.weight)
 
@@ -33,15 +33,15 @@ def _turned(frame, x1, x2):
 
 
 @kernel
-def _stretched(surface, parts, c, top, e, u):
-    return dot(resting_load(parts, c, top, e, u), e) / c.spring
+def _stretched(surface, parts, c, time, top, e, u):
+    return dot(resting_load(parts, c, time, top, e, u), e) / c.spring
 
 
 @kernel
-def _stretched_at_surface(surface, parts, c, top, e, u):
+def _stretched_at_surface(surface, parts, c, time, top, e, u):
     search = no_trial()
     for _ in range(STATIC_ITERATIONS):
-        gap = dot(resting_load(parts, c, top, e, u), e) / c.spring - u
+        gap = dot(resting_load(parts, c, time, top, e, u), e) / c.spring - u
         if not abs(gap) * c.spring > 1e-14 * c.force:
             break
         u, search = next_stretch(surface, u, gap, search)
@@ -54,13 +54,13 @@ _settled = by_presence(_stretched, _stretched_at_surface)  # the stretch at rest
 
 
 @kernel
-def _aside_in_water(surface, parts, c, top, e, u):
-    return resting_load(parts, c, top, e, u)
+def _aside_in_water(surface, parts, c, time, top, e, u):
+    return resting_load(parts, c, time, top, e, u)
 
 
 @kernel
-def _aside_at_surface(surface, parts, c, top, e, u):
-    return resting_load(parts, c, top, e, _stretched_at_surface(surface, parts, c, top, e, u))
+def _aside_at_surface(surface, parts, c, time, top, e, u):
+    return resting_load(parts, c, time, top, e, _stretched_at_surface(surface, parts, c, time, top, e, u))
 
 
 _load_aside = by_presence(_aside_in_water, _aside_at_surface)  # in a direction beside the one of u
@@ -96,8 +96,8 @@ _allowed = by_presence(_farthest, _shorter)  # turn of the cable in the next ste
 
 
 @kernel
-def balance(parts, c, top):
-    """Direction and stretch at rest in the steady current, and whether they balance: Newton from the vertical on the part across."""
+def balance(parts, c, time, top):
+    """Direction and stretch at rest in the current of the moment, and whether they balance: Newton from the vertical on the part across."""
     still = (top[0], zero(top[0]), zero(top[0]))
     down = (0.0, 0.0, -c.length)
     hanging = c.body_weight + 0.5 * c.weight + lost_buoyancy(parts.surface, in_calm_water(parts), c, top[0], down) >= 0.0
@@ -107,16 +107,16 @@ def balance(parts, c, top):
     limit = FARTHEST
     moved = zero(e)
     for _ in range(STATIC_ITERATIONS):
-        u = _settled(parts.surface, parts, c, still, e, u)
+        u = _settled(parts.surface, parts, c, time, still, e, u)
         if not u > -0.9 * c.length:
             return e, u, False
-        load = resting_load(parts, c, still, e, u)
+        load = resting_load(parts, c, time, still, e, u)
         gap = norm(across_only(e, load)) + abs(dot(load, e) - c.spring * u)
         frame = frame_of(e)
         d = 1e-6
         r1, r2 = dot(load, frame.a), dot(load, frame.b)
-        ahead = _load_aside(parts.surface, parts, c, still, _turned(frame, d, 0.0), u)
-        aside = _load_aside(parts.surface, parts, c, still, _turned(frame, 0.0, d), u)
+        ahead = _load_aside(parts.surface, parts, c, time, still, _turned(frame, d, 0.0), u)
+        aside = _load_aside(parts.surface, parts, c, time, still, _turned(frame, 0.0, d), u)
         # across the turned cable: the load's part along e turns with it
         j11 = (dot(ahead, frame.a) - r1) / d - dot(ahead, e)
         j21 = (dot(ahead, frame.b) - r2) / d
@@ -144,7 +144,7 @@ def balance(parts, c, top):
 @kernel
 def hang_in_space(space, parts, c, state):
     """Put the state at rest under its top; returns a status."""
-    e, u, balanced = balance(parts, c, top_of(state))
+    e, u, balanced = balance(parts, c, state[TIME], top_of(state))
     if not balanced:
         return NO_EQUILIBRIUM
     row = state[DIRECTION : DIRECTION + 6].reshape(2, 3)

@@ -8,9 +8,11 @@ import math
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.error_control import MOST_STEPS
 from cable_model.kernels.exchange import IMPULSE, OWED
+from cable_model.kernels.fluid import Stream, in_water_now, with_stream
 from cable_model.kernels.header import (
     ERROR_SIZE,
     ERROR_TIME,
+    KEPT_STREAM,
     KEPT_TOP,
     NEWTON,
     NEXT_STEP,
@@ -27,7 +29,22 @@ from cable_model.kernels.header import (
     TOO_MANY_STEPS,
 )
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.path import COLUMNS, PATH, ROWS, UPPER_END, arrival, arrive, leaves_plane, quintic, winch_turns
+from cable_model.kernels.path import (
+    CARRIED,
+    COLUMNS,
+    PATH,
+    ROWS,
+    UPPER_END,
+    arrival,
+    arrive,
+    evaluate,
+    glide,
+    leaves_plane,
+    quintic,
+    stream_crosses,
+    take_stream,
+    winch_turns,
+)
 from cable_model.kernels.pending import is_short, wait
 from cable_model.kernels.tow import (
     ANGLE,
@@ -195,7 +212,7 @@ def check_path(space, path, h, c, state):
     if winch_turns(path):
         return NO_WINCH
     if space is None:
-        if leaves_plane(path, state[PLANE], c.reference_length, UPPER_END):
+        if leaves_plane(path, state[PLANE], c.reference_length, UPPER_END) or stream_crosses(path):
             return OUT_OF_PLANE
     return OK
 
@@ -213,10 +230,24 @@ def next_size(explicit, size, error, tolerance, iterations):
 
 @kernel
 def join(path, h, state, end, whole):
-    """The path with the pending time before it as one quintic: that time is too short for a quintic to lose anything over it."""
+    """The path with the pending time before it as one quintic: that time is too short for a quintic to lose anything over it.
+
+    The current that inputs give goes straight from what it was before to what it will be.
+    """
     for k in range(3):
         end[k], end[3 + k], end[6 + k] = arrival(path, k)
     quintic(state[KEPT_TOP : KEPT_TOP + 9], end, state[PENDING] + h, whole, UPPER_END.column)
+    for k in range(2):
+        _, speed, _ = arrival(path, CARRIED + k)
+        glide(CARRIED + k, 0.0, state[KEPT_STREAM + k], speed, state[PENDING] + h, whole)
+
+
+@kernel
+def _in_stream(parts, path, h, time):
+    """The parts with the current that inputs give over a step."""
+    _, x, rate_x = evaluate(path, h, 0.0, CARRIED)
+    _, y, rate_y = evaluate(path, h, 0.0, CARRIED + 1)
+    return with_stream(parts, Stream(x, y, rate_x, rate_y, time))
 
 
 @kernel
@@ -226,12 +257,14 @@ def advance(parts, p, time, h, path, state, work):
     solver.tolerance > 0 bounds the local error of a step relative to `weights`; at 0 the steps are equal, none longer than
     solver.time_step.  Either way a step ends where the cable goes slack or taut.  A sliver waits, see pending.py.
     """
+    parts = in_water_now(parts, p, state)
     c = constants(parts, p)
     status = check_path(parts.space, path, h, c, state)
     if status != OK:
         return failed(status, state, time, 0.0)
     if is_short(state, state[PENDING] + h, 0.0):
         wait(state, h, path)
+        take_stream(path, state)
         arrive(UPPER_END, path, state)
         state[TIME] = time + h
         return OK
@@ -252,6 +285,7 @@ def advance(parts, p, time, h, path, state, work):
     end_time = time + h
     time -= state[PENDING]
     h += state[PENDING]
+    parts = _in_stream(parts, path, h, time)
     drive = Drive(path, h, time, frame)
     graze = max(0.1 * tolerance, 1e-9) * c.force
     wanted = h
@@ -337,6 +371,7 @@ def advance(parts, p, time, h, path, state, work):
     state[NEWTON] += newton
     state[REJECTED] += rejected
     state[EVALUATIONS] += evaluations
+    take_stream(path, state)
     arrive(UPPER_END, path, state)
     return OK
 
@@ -347,6 +382,7 @@ _outputs = by_presence(outputs_in_plane, outputs_in_space)
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
+    parts = in_water_now(parts, p, state)
     _outputs(parts.space, parts, p, state, work, out)
     watch_outputs(parts, p, state, out)
     watch_straight(parts, p, state, out)

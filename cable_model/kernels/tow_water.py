@@ -7,7 +7,7 @@ load is the displaced mass times the whole acceleration of the water, and the ad
 import math
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.fluid import current_velocity
+from cable_model.kernels.fluid import current_motion, is_steady
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.tow_surface import (
     Wet,
@@ -42,9 +42,9 @@ def wave_flow(parts, x, y, time):
 @kernel
 def water_flow(parts, x, y, time):
     """Velocity of current and waves, and the acceleration."""
-    flow, _ = current_velocity(parts.current, (x, -y))
+    flow, rate, _ = current_motion(parts, (x, -y), time)
     vx, vy, ax, ay = wave_flow(parts, x, y, time)
-    return flow[0] + vx, vy, ax, ay
+    return flow[0] + vx, vy, rate[0] + ax, ay
 
 
 @kernel
@@ -70,9 +70,9 @@ def added_masses(c, u):
 
 
 @kernel
-def _add_push(waves, wet, middle, rate, pushed):
+def _add_push(parts, wet, middle, rate, pushed):
     """Sums over the segments' wet shares of the water's acceleration along n and t, and of its moments, from those so far."""
-    if waves is None:
+    if is_steady(parts):
         return pushed
     n, t = wet * rate[0], wet * rate[1]
     return (pushed[0] + n, pushed[1] + t, pushed[2] + middle * n, pushed[3] + middle * t)
@@ -131,7 +131,7 @@ def cable_water(water, parts, c, top, time, motion):
         tangential += ft
         moment += middle * fn
         pull += tangential_weight(parts.as_printed, middle) * ft
-        pushed = _add_push(parts.waves, seg.wet, middle, turned(ax, ay, sin, cos), pushed)
+        pushed = _add_push(parts, seg.wet, middle, turned(ax, ay, sin, cos), pushed)
     area = (1.0 - c.contraction * u) * length / c.segments
     added, _ = added_masses(c, u)
     kn = c.normal_drag * area

@@ -1,7 +1,7 @@
 """The water on the tow model in space: as tow_water.py, in the axes of the FMU."""
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.fluid import water_motion
+from cable_model.kernels.fluid import is_steady, water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.tow_surface import (
     Wet,
@@ -62,7 +62,7 @@ def cable_water_in_space(water, parts, c, top, time, swing, u, ud):
         ft = scale(seg.wet * (c.tangential_drag * area * abs(along) * along), swing.e)
         total = add(total, add(fn, ft))
         arm = add(arm, mix(middle, fn, tangential_weight(parts.as_printed, middle), ft))
-        if parts.waves is not None:
+        if not is_steady(parts):
             push = scale(seg.wet * ((c.displaced + added) / c.segments), rate)
             push = axpy(seg.wet * (-added / c.segments * dot(rate, swing.e)), swing.e, push)
             total = add(total, push)

@@ -8,8 +8,8 @@ import math
 from typing import NamedTuple
 
 from cable_model.kernels.ends import horizon
-from cable_model.kernels.fluid import current_velocity, flows
-from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, HEADER, LOWER_WATCH, PENDING, STEP, STEPS, SUNK, TOP, WATCH
+from cable_model.kernels.fluid import current_motion, flows
+from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, LOWER_WATCH, PENDING, STEP, STEPS, STREAM, SUNK, TIME, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
@@ -90,10 +90,10 @@ def _apart(inputs, last, first, h, share):
 
 @kernel
 def watch_start(state, inputs):
-    """Begin with the inputs (19,) of the initialization, after it."""
+    """Begin with the inputs (21,) of the initialization, after it."""
     for k in range(DOUBTS, AUDIT):
         state[k] = 0.0
-    for k in range(LOWER_WATCH, HEADER):
+    for k in range(LOWER_WATCH, STREAM):
         state[k] = 0.0
     for k in range(9):
         state[LAST + k] = inputs[k]
@@ -102,7 +102,7 @@ def watch_start(state, inputs):
 
 @kernel
 def watch_inputs(order, p, state, inputs, step):
-    """Compare the inputs (19,) of a step with the last ones: top.motion_order `order` says which of them are given."""
+    """Compare the inputs (21,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
     if p[0].lower_end.driven > 0.0:
         _watch_end(LOWER_END, TO_LOWER, LOWER_JUMP, order, p, state, inputs, step)
@@ -209,7 +209,7 @@ def _watch_rest(parts, p, state, largest):
     if parts.anchor is not None:
         if largest <= 2.0 * NEUTRAL * mass * p[0].environment.gravity:
             note(state, ANY_SHAPE, weight, mass)
-    elif not flows(parts.current):
+    elif not flows(parts):
         note(state, ANY_PLACE, weight, mass)
 
 
@@ -325,7 +325,7 @@ def _sag(parts, p, state, outputs):
     if parts.surface is not None and middle[2] > 0.0:
         return 0.0
     t = unit(sub(top, low))
-    flow, _ = current_velocity(parts.current, middle)
+    flow, _, _ = current_motion(parts, middle, state[TIME])
     u = sub(flow, mix(0.5, (state[TOP + 3], state[TOP + 4], state[TOP + 5]), 0.5, (outputs[8], outputs[9], outputs[10])))
     across = axpy(-dot(u, t), t, u)
     cable = cable_part(parts.water, p)

@@ -3,17 +3,59 @@
 A component's elevation is a cos(k s - omega t + phase), s along its direction.  The table of components has the columns amplitude,
 angular frequency, wave number, direction, phase, depth (0: deep water).  Above z = 0 the values of z = 0 hold, unless the part
 `stretched` (Wheeler: heights are measured from the surface as it is, and scaled to the depth) or `cut` (as held, but nothing above
-the surface as it is) is present.
+the surface as it is) is present.  With the part `wave_ramp` the waves grow from the start of the run.
 """
 
 import math
+from typing import NamedTuple
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, outer, scale, scale_matrix, upward, zero
 
 AMPLITUDE, FREQUENCY, NUMBER, DIRECTION, PHASE, DEPTH = range(6)
 TAPER = 0.05  # of the sum of the amplitudes: height above the surface within which cut waves fade out
 DEEP = 40.0  # k depth and k |z| beyond which exponentials are negligible
+
+
+class Ramp(NamedTuple):
+    """Growth from nothing: by a quintic, so that velocities and accelerations are smooth."""
+
+    start: float  # s
+    time: float  # s; 0: all is there from the start
+
+
+@kernel
+def ramp_at(ramp, t):
+    """The share that is there at a time, and its rate, 1/s."""
+    since = t - ramp.start
+    if since >= ramp.time:
+        return 1.0, 0.0
+    s = max(since, 0.0) / ramp.time
+    return s * s * s * (10.0 - s * (15.0 - 6.0 * s)), 30.0 * s * s * (1.0 - s) * (1.0 - s) / ramp.time
+
+
+@kernel
+def _whole(ramp, velocity, acceleration, gradient, t):
+    return velocity, acceleration, gradient
+
+
+@kernel
+def _growing(ramp, velocity, acceleration, gradient, t):
+    share, growth = ramp_at(ramp, t)
+    return scale(share, velocity), mix(share, acceleration, growth, velocity), scale_matrix(share, gradient)
+
+
+grown = by_presence(_whole, _growing)  # the part of a motion that is there at a time
+
+
+@kernel
+def _rising(ramp, height, rate, gradient, t):
+    share, growth = ramp_at(ramp, t)
+    return share * height, share * rate + growth * height, scale(share, gradient)
+
+
+_raised = by_presence(_whole, _rising)
 
 
 @kernel
@@ -25,8 +67,8 @@ def wave_axes(direction, like):
 
 
 @kernel
-def elevation(waves, position, t):
-    """Height of the surface over a place, m, its rate, m/s, and its gradient."""
+def elevation(waves, ramp, position, t):
+    """Height of the surface over a place, m, its rate, m/s, and its gradient; `ramp` is the part wave_ramp."""
     height = 0.0
     rate = 0.0
     gradient = zero(position)
@@ -38,7 +80,7 @@ def elevation(waves, position, t):
         s = waves[j, AMPLITUDE] * math.sin(angle)
         rate += waves[j, FREQUENCY] * s
         gradient = axpy(-k * s, along, gradient)
-    return height, rate, gradient
+    return _raised(ramp, height, rate, gradient, t)
 
 
 @kernel
@@ -55,14 +97,14 @@ def _profile(finite_depth, k, depth, z):
 
 
 @kernel
-def _effective_height(stretched, waves, position, t):
+def _effective_height(stretched, waves, ramp, position, t):
     """The height at which the profiles are read, and its gradient and rate; no higher than still water."""
     z = position[len(position) - 1]
     if stretched is None:
         if z >= 0.0:
             return 0.0, zero(position), 0.0
         return z, upward(1.0, position), 0.0
-    surface, rate, slope = elevation(waves, position, t)
+    surface, rate, slope = elevation(waves, ramp, position, t)
     depth = waves[0, DEPTH]
     if z >= surface:
         return 0.0, zero(position), 0.0
@@ -75,11 +117,11 @@ def _effective_height(stretched, waves, position, t):
 
 
 @kernel
-def _faded(cut, waves, position, t):
+def _faded(cut, waves, ramp, position, t):
     """Share of the waves' motion at a place, and its gradient: 1 below the surface, 0 above it, a smooth step between."""
     if cut is None:
         return 1.0, zero(position)
-    surface, _, slope = elevation(waves, position, t)
+    surface, _, slope = elevation(waves, ramp, position, t)
     height = 0.0
     for j in range(waves.shape[0]):
         height += waves[j, AMPLITUDE]
@@ -105,7 +147,7 @@ def _sum(waves, parts, position, t):
     gradient = diagonal(0.0, position)
     if waves is None:
         return velocity, acceleration, gradient
-    z, by_place, z_rate = _effective_height(parts.stretched, waves, position, t)
+    z, by_place, z_rate = _effective_height(parts.stretched, waves, parts.wave_ramp, position, t)
     up = upward(1.0, position)
     for j in range(waves.shape[0]):
         k = waves[j, NUMBER]
@@ -124,6 +166,7 @@ def _sum(waves, parts, position, t):
         acceleration = axpy(z_rate, by_height, acceleration)
         by_along = mix(-k * across * s, along, k * rise * c, up)
         gradient = add_matrix(gradient, add_matrix(outer(by_along, along), outer(by_height, by_place)))
-    share, fading = _faded(parts.cut, waves, position, t)
+    share, fading = _faded(parts.cut, waves, parts.wave_ramp, position, t)
     gradient = add_matrix(scale_matrix(share, gradient), outer(velocity, fading))
-    return scale(share, velocity), scale(share, acceleration), gradient
+    velocity, acceleration = scale(share, velocity), scale(share, acceleration)
+    return grown(parts.wave_ramp, velocity, acceleration, gradient, t)

@@ -52,11 +52,12 @@ ENVIRONMENT = {
     "NUMBA_DISABLE_JIT": "0",
     "PYTHONHASHSEED": "0",
 }
-ENTRY = """
-int32_t {name}(int64_t *status, void **error, int64_t what, double time, double step, int64_t order, const double *inputs,
-               const double *numbers, const double *present, const double *current, int64_t levels, const double *waves,
-               int64_t components, const double *curve, int64_t rows, const double *sections, int64_t pieces, const double *bodies,
-               int64_t bodies_count, double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
+_ROWS = "".join(f"const double *{name}, int64_t n_{name}, " for name in TABLES)
+ENTRY = f"""
+int32_t {{name}}(int64_t *status, void **error, int64_t what, double time, double step, int64_t order, const double *inputs,
+               const double *numbers, const double *present,
+               {_ROWS}
+               double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
 """
 
 # numba's views of the arrays, which are all contiguous, ask for this function
@@ -176,14 +177,15 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
 
     def entry(
-        what, time, step, order, x, p, on, levels, n_levels, components, n_components, curve, n_rows, pieces, n_pieces, bodies, n_bodies,
-        y, n_y, w, n_w, out,
+        what, time, step, order, x, p, on, levels, n_levels, history, n_history, components, n_components, curve, n_rows, pieces, n_pieces,
+        bodies, n_bodies, y, n_y, w, n_w, out,
     ):  # fmt: skip
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
         present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6))
+        over_time = carray(history, (n_history, 4))
         laws, sections, on_line = carray(curve, (n_rows, 3)), carray(pieces, (n_pieces, 10)), carray(bodies, (n_bodies, 5))
-        parts = parts_now(present, current, waves, laws, sections, on_line)
+        parts = parts_now(present, current, over_time, waves, laws, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
@@ -198,9 +200,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         steps, tells_points = what in (STEP, ADVANCE), what in (NODES, SHAPE)
         tries = what == STEP and room.shape[0] > 0
         if what == START or steps:
-            refused = ends.refuse_lower_end(numbers, time, state, inputs)
+            refused = ends.refuse_inputs(numbers, time, state, inputs)
             if what == ADVANCE and refused == ok:
-                refused = ends.refuse_lower_end(numbers, time, state, end)
+                refused = ends.refuse_inputs(numbers, time, state, end)
             if refused != ok:
                 return refused
         if what == START:
@@ -219,7 +221,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                held = held_then(present, current, waves, laws, sections, on_line)
+                held = held_then(present, current, over_time, waves, laws, sections, on_line)
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif steps:
@@ -255,7 +257,7 @@ def _compile(entry: Any) -> tuple[str, Any]:
     from fmu_src.native import presence
 
     kinds = {"i": types.int64, "d": types.float64, "p": types.CPointer(types.float64), "n": types.CPointer(from_dtype(NUMBERS))}
-    arguments = tuple(kinds[kind] for kind in "iddipnppipipipipipipip")  # as ENTRY
+    arguments = tuple(kinds[kind] for kind in "iddipnp" + "pi" * len(TABLES) + "pipip")  # as ENTRY
     flags: Any = compiler.Flags()
     flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
     flags.enable_pyobject = False
