@@ -76,6 +76,20 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
         )
         for axis in "xyz"
     },
+    "cable.bending_moment_max": ("N.m", "largest bending moment along the cable", 1e3, _PLACES),
+    "cable.suspended_length": (
+        "m",
+        "unstretched length from the top to where the cable touches down, else all of it",
+        100.0,
+        _PLACES,
+    ),
+    "seabed.force_z": ("N", "force of the seabed on the cable, upwards", 1e3, _PLACES),
+    **{
+        f"seabed.touchdown_{axis}": ("m", f"where the cable, from its top, touches down, else its lower end, {axis}", 100.0, _PLACES)
+        for axis in "xyz"
+    },
+    "winch.paid_out": ("m", "cable that the winch has paid out since the start", 10.0, _NONE),
+    "water.elevation": ("m", "height of the waves over still water at the top's place", 1.0, _PLACES),
     "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
 }
 _OF_PROFILES = {  # one value a point of the cable

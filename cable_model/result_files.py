@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cable_model import __version__
 from cable_model.errors import ParameterError, writing
+from cable_model.extras import xarray_module
 from cable_model.facts import PROFILE, TIME, facts_of
 from cable_model.scene import to_toml
 from cable_model.simulation import Result, csv_row
@@ -20,15 +20,6 @@ if TYPE_CHECKING:
 NETCDF = ".nc"
 _MISTAKEN = (".cdf", ".h5", ".hdf5", ".nc3", ".nc4", ".netcdf")  # who gives one of them does not mean CSV
 ARC_LENGTH = "arc_length"
-
-
-def xarray_module() -> ModuleType:
-    """xarray; ParameterError where it is not installed."""
-    try:
-        import xarray
-    except ImportError as absent:
-        raise ParameterError("xarray: not installed. Install it with pip install 'cable-fmu[results]'.") from absent
-    return xarray
 
 
 def is_netcdf(path: Path) -> bool:

@@ -31,6 +31,7 @@ from cable_model.parameters import (
 )
 from cable_model.quantity import build, quantity
 from cable_model.sections import SHARED, joined
+from cable_model.table_files import with_tables
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def load(scene: str | Path) -> Scene:
         raise ParameterError(f"{path}: not a valid TOML file ({error}). Mend the line that is named.") from error
     if not values:
         raise ParameterError(f"{path}: an empty scene. Give at least [cable] with length, mass_per_length and axial_stiffness.")
-    return from_dict(values)
+    return from_dict(with_tables(values, path.parent))
 
 
 def to_toml(scene: Scene) -> str:

@@ -28,6 +28,9 @@ OUTPUTS = (
     "lower.force_x", "lower.force_y", "lower.force_z",
     "lower.force_mean_x", "lower.force_mean_y", "lower.force_mean_z",
     "lower.declination",
+    "cable.bending_moment_max", "cable.suspended_length", "seabed.force_z",
+    "seabed.touchdown_x", "seabed.touchdown_y", "seabed.touchdown_z",
+    "winch.paid_out", "water.elevation",
 )  # fmt: skip
 
 SHAPE = tuple(f"shape.{of}[{i}]" for i in range(1, SHAPE_POINTS + 1) for of in ("x", "y", "z", "tension"))  # told where they are asked for

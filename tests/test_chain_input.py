@@ -119,8 +119,8 @@ def test_values_that_do_not_go_together_are_refused(changes, text):
         (top(ay=-np.inf), "top.ay = -inf m/s2: must be finite. Check what is connected to this input."),
         (
             np.zeros(8),
-            "inputs = (8,): must be (9,), (10,) or (19,). "
-            "Give position, velocity and acceleration of the top, and with a winch its speed, with a driven lower end all 19.",
+            "inputs = (8,): must be (9,), (10,), (19,) or (21,). "
+            "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current all 21.",
         ),
     ],
     ids=["nan", "inf", "-inf", "shape"],
@@ -170,6 +170,6 @@ def test_a_plane_chain_refuses_a_top_that_leaves_its_plane():
     with pytest.raises(SolverError) as caught:
         model.step(0.0, 0.01, top(y=0.1, vy=10.0))
     assert str(caught.value) == (
-        "CableChain at t = 0 s: the top or lower end left the vertical plane y = const in which the model moves. "
-        "Keep top.y and lower.y constant, or set solver.space = true. Results before this time are valid."
+        "CableChain at t = 0 s: the top, the lower end or a current that inputs give left the vertical plane y = const in which the model "
+        "moves. Keep top.y and lower.y constant and water.current_y at 0, or set solver.space = true. Results before this time are valid."
     )

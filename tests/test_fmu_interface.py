@@ -22,7 +22,7 @@ NOT_IN_FMUS = {
     "cable.stiffness_curve", "cable.section", "cable.body",
     "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
     "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent",
-    "winch.speeds", "current.levels", "top.position", "top.motion", "top.table",
+    "waves.record", "winch.speeds", "current.levels", "current.table", "top.position", "top.motion", "top.table",
     "lower.position", "lower.motion", "lower.table", "run.duration", "run.output_step", "run.model",
 }  # fmt: skip
 
@@ -143,6 +143,8 @@ def test_every_parameter_reaches_the_scene():
         needs["seabed.laid_from_anchor"] = {
             "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "lower_end.anchored": True, "body.mass": 0.0
         }  # fmt: skip
+        needs["current.ramp_time"] = {"current.speed": 0.5}
+        needs["wave.ramp_time"] = {"wave.amplitude": 0.5}
         needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
         model = used_by(row.scene_name)[0]
@@ -171,7 +173,7 @@ def test_a_baked_table_of_the_current_is_not_silently_overridden():
 
 def test_waves_are_the_one_part_with_another_name():
     assert {row.name for row in parameter_rows() if scene_name(row.name) != row.name} == {
-        "wave.amplitude", "wave.period", "wave.direction", "wave.phase",
+        "wave.amplitude", "wave.period", "wave.direction", "wave.phase", "wave.ramp_time",
     }  # fmt: skip
 
 

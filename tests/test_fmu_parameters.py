@@ -53,12 +53,17 @@ def others(row: Variable, value: Any) -> list[Any]:
 
 
 def outputs(fmu: Fmu, values: dict[str, Any]) -> np.ndarray:
-    """Outputs of a few steps with the winch turning where there is one.  Raises FMICallException where the FMU refuses the values."""
+    """Outputs of a few steps with the winch turning, and a current by inputs, where they are asked for.
+
+    Raises FMICallException where the FMU refuses the values.
+    """
     instance = fmu.instance()
-    paid_out = [0.05] if values.get("winch.fitted") else [0.0]
+    given = [0.05] if values.get("winch.fitted") else [0.0]
+    if values.get("water.current_input"):
+        given += [0.0] * 9 + [0.3, 0.0]
     try:
-        instance.initialize(values, [*sway(0.0), *paid_out])
-        rows = [instance.step(k * STEP, STEP, [*sway(k * STEP), *paid_out]) for k in range(STEPS)]
+        instance.initialize(values, [*sway(0.0), *given])
+        rows = [instance.step(k * STEP, STEP, [*sway(k * STEP), *given]) for k in range(STEPS)]
         instance.slave.terminate()
     finally:
         instance.slave.freeInstance()

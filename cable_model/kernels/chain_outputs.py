@@ -6,6 +6,7 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
+from cable_model.kernels.extent import tell_elevation, tell_whole
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.jit import kernel, views
@@ -106,6 +107,9 @@ def outputs(parts, p, state, work, out):
     out[17] = state[header.REJECTED]
     _tell_lower_end(parts.driven, parts, force.lower, t.lower, out)
     tell_exchange(state, out)
+    tell_whole(winding.length, state[header.PAID_OUT], out)
+    grid.tell_extent(parts.box, parts, problem, view, top, out)
+    tell_elevation(parts.waves, parts.wave_ramp, top, state[header.TIME], out)
     watch_outputs(parts, p, state, out, seen)
     along = dot(vector_at(parts, state, header.TOP + 3), t.top)
     if parts.driven is not None:

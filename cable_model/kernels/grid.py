@@ -6,6 +6,7 @@ Each grid compiles its own side only.  A View is layout.View; positions and velo
 from cable_model.kernels import box_chain, box_step, staggered_chain, staggered_statics, staggered_step
 from cable_model.kernels.box_law import unknowns
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.extent import tell_bottom, tell_box_moment, tell_moment
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.line_bodies import mass_on
 from cable_model.kernels.path import Ends
@@ -359,3 +360,17 @@ def _box_measure(box, parts, problem, p, view, last, offset, ahead, top, winding
 # forces, tangents and tensions at the ends, place and velocity of the lower one, largest and smallest tension of the cells, slack share,
 # and what is seen of sections and bodies on the cable; the box grid has those of its top, but the lower end's tension
 measure = by_presence(_staggered_measure, _box_measure)
+
+
+@kernel
+def _staggered_extent(box, parts, problem, view, top, out):
+    tell_bottom(parts.seabed, parts, problem, view.mesh, view.y, view.scratch.contact, top, out)
+    tell_moment(parts.bending, parts, problem, view.mesh, view.y, top, out)
+
+
+@kernel
+def _box_extent(box, parts, problem, view, top, out):
+    tell_box_moment(parts.bending, problem, view.y, out)
+
+
+tell_extent = by_presence(_staggered_extent, _box_extent)  # after `measure`, whose contacts it reads

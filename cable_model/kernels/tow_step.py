@@ -8,6 +8,7 @@ import math
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.error_control import MOST_STEPS
 from cable_model.kernels.exchange import IMPULSE, OWED
+from cable_model.kernels.extent import tell_elevation, tell_whole
 from cable_model.kernels.fluid import Stream, in_water_now, with_stream
 from cable_model.kernels.header import (
     ERROR_SIZE,
@@ -27,6 +28,7 @@ from cable_model.kernels.header import (
     STEPS,
     TIME,
     TOO_MANY_STEPS,
+    TOP,
 )
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import (
@@ -376,6 +378,17 @@ def advance(parts, p, time, h, path, state, work):
     return OK
 
 
+@kernel
+def _over_plane(space, parts, state, out):
+    tell_elevation(parts.waves, parts.wave_ramp, (state[TOP], state[TOP + 2]), state[TIME], out)
+
+
+@kernel
+def _over_space(space, parts, state, out):
+    tell_elevation(parts.waves, parts.wave_ramp, (state[TOP], state[TOP + 1], state[TOP + 2]), state[TIME], out)
+
+
+_tell_elevation = by_presence(_over_plane, _over_space)
 _outputs = by_presence(outputs_in_plane, outputs_in_space)
 
 
@@ -384,5 +397,7 @@ def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
     parts = in_water_now(parts, p, state)
     _outputs(parts.space, parts, p, state, work, out)
+    tell_whole(p[0].cable.length, 0.0, out)
+    _tell_elevation(parts.space, parts, state, out)
     watch_outputs(parts, p, state, out)
     watch_straight(parts, p, state, out)

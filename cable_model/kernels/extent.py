@@ -1,0 +1,118 @@
+"""How much of the cable hangs and how much lies, what bends it most, and the waves over its top: what outputs tell of the whole of it.
+
+The cable touches down, seen from its top, where the seabed carries half of its weight; what hangs is the unstretched length above.
+"""
+
+from cable_model.kernels.cells import of_cell, turn_stiffness
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.line_bodies import weight_on
+from cable_model.kernels.problem import body_weight, density_of
+from cable_model.kernels.seabed import FORCE
+from cable_model.kernels.vector import axpy, load, mix, norm, sub
+from cable_model.kernels.waves import elevation
+
+MOMENT, HANGING, REACTION, TOUCHDOWN, PAID_OUT, ELEVATION = 34, 35, 36, 37, 40, 41  # of the outputs; the fourth is the first of three
+CARRIED = 0.5  # of a node's weight, where the cable touches down
+
+
+@kernel
+def tell_whole(length, paid_out, out):
+    """What holds without a seabed and bending: all hangs, down to the lower end that the outputs have."""
+    out[MOMENT] = 0.0
+    out[HANGING] = length
+    out[REACTION] = 0.0
+    for k in range(3):
+        out[TOUCHDOWN + k] = out[5 + k]
+    out[PAID_OUT] = paid_out
+
+
+@kernel
+def _calm(waves, ramp, place, time, out):
+    out[ELEVATION] = 0.0
+
+
+@kernel
+def _wavy(waves, ramp, place, time, out):
+    out[ELEVATION], _, _ = elevation(waves, ramp, place, time)
+
+
+tell_elevation = by_presence(_calm, _wavy)
+
+
+@kernel
+def _weight_at(parts, problem, mesh, i):
+    """Weight in the medium that node i carries, N."""
+    above = of_cell(parts.sections, parts, problem, mesh, i).cable.weight * mesh[i, 1] * mesh[i, 0]
+    if i == 0:
+        return above + body_weight(problem.body)
+    below = of_cell(parts.sections, parts, problem, mesh, i - 1).cable.weight * (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0]
+    return above + below + weight_on(parts.line_bodies, mesh, i, density_of(parts.water, problem.numbers), problem.cable.gravity)
+
+
+@kernel
+def _no_bottom(seabed, parts, problem, mesh, y, contact, top, out):
+    return
+
+
+@kernel
+def _on_bottom(seabed, parts, problem, mesh, y, contact, top, out):
+    position = top
+    touched = False
+    hanging = 0.0
+    before = 0.0  # share of the weight that the seabed carries at the node above
+    reaction = 0.0
+    for i in range(mesh.shape[0] - 1, -1, -1):
+        lower = axpy(-mesh[i, 0], load(y, i, top), position)
+        reaction += contact[i, FORCE]
+        now = contact[i, FORCE] / max(abs(_weight_at(parts, problem, mesh, i)), 1e-300)
+        if not touched and now >= CARRIED:
+            touched = True
+            share = (CARRIED - before) / (now - before)
+            hanging += share * mesh[i, 0]
+            at = mix(1.0 - share, position, share, lower)
+            out[HANGING] = hanging
+            out[TOUCHDOWN] = at[0]
+            out[TOUCHDOWN + 2] = at[len(at) - 1]
+            if parts.space is not None:
+                out[TOUCHDOWN + 1] = at[1]
+        hanging += mesh[i, 0]
+        before = now
+        position = lower
+    out[REACTION] = reaction
+
+
+tell_bottom = by_presence(_no_bottom, _on_bottom)
+
+
+@kernel
+def _limp(bending, parts, problem, mesh, y, top, out):
+    return
+
+
+@kernel
+def _stiff(bending, parts, problem, mesh, y, top, out):
+    largest = 0.0
+    for j in range(1, mesh.shape[0]):
+        turn = norm(sub(load(y, j, top), load(y, j - 1, top)))
+        largest = max(largest, turn_stiffness(parts.sections, parts, problem, mesh, j) * turn)
+    out[MOMENT] = largest
+
+
+tell_moment = by_presence(_limp, _stiff)
+
+
+@kernel
+def _limp_box(bending, problem, y, out):
+    return
+
+
+@kernel
+def _stiff_box(bending, problem, y, out):
+    largest = 0.0
+    for j in range(y.shape[0]):
+        largest = max(largest, abs(y[j, y.shape[1] - 1]))
+    out[MOMENT] = problem.numeric.bending * largest
+
+
+tell_box_moment = by_presence(_limp_box, _stiff_box)

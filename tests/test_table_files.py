@@ -1,0 +1,116 @@
+"""Tables of a scene in files of their own: CSV, and currents over time and depth as netCDF."""
+
+import math
+
+import numpy as np
+import pytest
+
+from cable_model import load
+from cable_model.errors import ParameterError
+
+SCENE = """
+[cable]
+length = 50.0
+diameter = 0.02
+mass_per_length = 1.5
+axial_stiffness = 4e6
+[body]
+mass = 400.0
+[water]
+density = 1025.0
+[solver]
+space = true
+"""
+
+
+def written(folder, more, **files):
+    """The scene with more, after its files are written beside it."""
+    for name, text in files.items():
+        (folder / name.replace("__", ".")).write_text(text, encoding="utf-8")
+    path = folder / "scene.toml"
+    path.write_text(SCENE + more, encoding="utf-8")
+    return path
+
+
+TEXTS = {
+    "commas and names": "time,z,speed,direction\n0,0,0.5,0\n60,0,0.8,1.5\n",
+    "semicolons and comments": "# a comment\n0; 0; 0.5; 0\n\n60; 0; 0.8; 1.5  # another",
+    "blanks": "0 0 0.5 0\n60\t0\t0.8\t1.5",
+}
+
+
+@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+def test_rows_come_from_a_file_beside_the_scene(tmp_path, monkeypatch, text):
+    path = written(tmp_path, '[current]\ntable = "flow.csv"\n', flow__csv=text)
+    monkeypatch.chdir("/")
+    assert load(path).current.table == ((0.0, 0.0, 0.5, 0.0), (60.0, 0.0, 0.8, 1.5))
+
+
+def test_every_table_of_a_scene_may_be_a_file(tmp_path):
+    motion = "\n".join(f"{t} 0 0 {0.1 * t * t}" for t in range(6))
+    more = '[top]\ntable = "heave.dat"\n[waves]\nrecord = "waves.csv"\n'
+    record = "\n".join(f"{0.5 * k},{math.sin(0.5 * k)}" for k in range(40))
+    scene = load(written(tmp_path, more, heave__dat=motion, waves__csv=record))
+    assert scene.top.table[3] == (3.0, 0.0, 0.0, pytest.approx(0.9))
+    assert len(scene.waves.record) == 40
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("0 0 1 0\n1 0 x 0\n", "current.table: {}, line 2: could not convert string to float: 'x'. Give numbers."),
+        ("0 0 1\n", "current.table: {}, line 1 = 3 columns: must be 4: s, m, m/s, rad. Mend the row."),
+        ("# nothing\n", "current.table: {}: no rows. Give rows of numbers."),
+        ("0 0 nan 0\n", "current.table[0][2] = nan s, m, m/s, rad: must be finite."),
+        ("a\nb\n", "current.table: {}, line 2: could not convert string to float: 'b'. Give numbers."),
+    ],
+)
+def test_a_file_that_is_no_table_is_one_clear_error(tmp_path, text, told):
+    path = written(tmp_path, '[current]\ntable = "flow.csv"\n', flow__csv=text)
+    with pytest.raises(ParameterError) as error:
+        load(path)
+    assert str(error.value).startswith(told.format(tmp_path / "flow.csv"))
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(ParameterError, match=r"current\.table: .*gone\.csv: no such file\. Give a file beside the scene, or the rows\."):
+        load(written(tmp_path, '[current]\ntable = "gone.csv"\n'))
+    with pytest.raises(ParameterError, match=r"netCDF is read for current\.table alone"):
+        load(written(tmp_path, '[top]\ntable = "gone.nc"\n', gone__nc=""))
+
+
+class TestNetcdf:
+    xarray = pytest.importorskip("xarray")
+
+    def data(self, **changes):
+        times = np.array(["2026-01-01T00:00", "2026-01-01T06:00"], dtype="datetime64[ns]")
+        u, v = np.array([[0.3, 0.1], [0.0, -0.4]]), np.array([[0.4, 0.0], [0.2, 0.0]])
+        return self.xarray.Dataset(
+            {
+                "ucur": (("time", "depth"), u, {"standard_name": "eastward_sea_water_velocity"}),
+                "vcur": (("time", "depth"), v, {"standard_name": "northward_sea_water_velocity"}),
+            },
+            coords={"time": times, "depth": ("depth", [0.0, 100.0], {"positive": "down"})},
+        ).assign(changes)
+
+    def test_velocities_over_time_and_depth_are_rows(self, tmp_path):
+        self.data().to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        rows = np.array(load(written(tmp_path, '[current]\ntable = "ocean.nc"\n')).current.table)
+        assert rows[:, 0].tolist() == [0.0, 0.0, 21600.0, 21600.0]
+        assert rows[:, 1].tolist() == [0.0, -100.0, 0.0, -100.0]
+        assert rows[:, 2] * np.cos(rows[:, 3]) == pytest.approx([0.3, 0.1, 0.0, -0.4], abs=1e-12)
+        assert rows[:, 2] * np.sin(rows[:, 3]) == pytest.approx([0.4, 0.0, 0.2, 0.0], abs=1e-12)
+
+    def test_a_grid_of_places_is_asked_for_one(self, tmp_path):
+        self.data().expand_dims(lat=[1.0, 2.0]).to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        with pytest.raises(ParameterError, match=r"ucur over lat, time, depth: must be over time and height\. Cut out one place\."):
+            load(written(tmp_path, '[current]\ntable = "ocean.nc"\n'))
+
+    def test_what_lacks_a_velocity_is_refused(self, tmp_path):
+        self.data().drop_vars("vcur").to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        with pytest.raises(ParameterError, match="no variable northward_sea_water_velocity or v or vo"):
+            load(written(tmp_path, '[current]\ntable = "ocean.nc"\n'))
+
+    def test_a_file_of_another_kind_is_refused(self, tmp_path):
+        with pytest.raises(ParameterError, match=r"ocean\.nc: not read as netCDF"):
+            load(written(tmp_path, '[current]\ntable = "ocean.nc"\n', ocean__nc="no such thing"))
