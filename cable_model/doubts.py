@@ -15,6 +15,7 @@ import numpy as np
 from cable_model import tables
 from cable_model.effects import BY_NAME, CHAIN
 from cable_model.kernels import header
+from cable_model.sea import rows_of
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import is_on
 
@@ -36,8 +37,9 @@ def shaking(scene: Any, axes: str = "xyz") -> float:
 def forcing(scene: Any, axes: str = "xyz") -> float:
     """The same, and of the waves that are felt."""
     found = [shaking(scene, axes)]
-    rows = tables.waves(scene) if is_on(BY_NAME["waves"], scene, CHAIN) else None
-    if rows is not None:
+    sea = tables.waves(scene) if is_on(BY_NAME["waves"], scene, CHAIN) else None
+    if sea is not None:
+        rows = rows_of(sea)
         rows = rows[np.argsort(rows[:, 1])]
         variance = np.cumsum((rows[:, 0] * rows[:, 1]) ** 2)
         found.append(float(rows[np.searchsorted(variance, FELT * variance[-1]), 1]))

@@ -11,7 +11,7 @@ import numpy as np
 from cable_model.effects import BY_NAME, CHAIN
 from cable_model.plots import STEADY, STEADY_WAY
 from cable_model.scene import Scene
-from cable_model.sea import components
+from cable_model.sea import components, table_of
 from cable_model.simulated import is_on
 from cable_model.simulation import Result
 
@@ -186,7 +186,8 @@ def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray)
 
     def height(at_x: float, at_y: float, time: float) -> float:
         place = (at_x, at_y, 0.0) if scene.solver.space else (at_x, 0.0)
-        return float(elevation(waves, ramp, place, time)[0])
+        return float(elevation(table, ramp, place, time)[0])
 
+    table = table_of(waves)
     heights = np.array([[[height(at_x, at_y, t) for at_x in x.tolist()] for at_y in y.tolist()] for t in times.tolist()])
     return Surface(x, y, heights)

@@ -137,7 +137,7 @@ def _from_record(waves: Waves) -> np.ndarray:
 
 
 def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
-    """The table (k, 6) of kernels.waves, or None where there are no waves."""
+    """Rows (k, 6) of amplitude, angular frequency, wave number, direction, phase, depth (0: deep); None where there are no waves."""
     if waves.spectrum != "none" and waves.significant_height > 0.0:
         rows = _from_spectrum(waves)
     elif waves.table:
@@ -150,5 +150,20 @@ def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
     else:
         return None
     numbers = [wave_number(omega, depth, gravity) for omega in rows[:, 1]]
-    table = np.column_stack((rows[:, 0], rows[:, 1], numbers, rows[:, 2], rows[:, 3], np.full(len(rows), depth)))
+    return np.column_stack((rows[:, 0], rows[:, 1], numbers, rows[:, 2], rows[:, 3], np.full(len(rows), depth)))
+
+
+def table_of(rows: np.ndarray) -> np.ndarray:
+    """The table (9, k) of kernels.waves from rows of `components`: by rising wave number."""
+    amplitude, frequency, number, direction, phase, depth = rows[np.argsort(rows[:, 2], kind="stable")].T
+    cosine = np.cos(direction)
+    deep = 1.0 - np.exp(-2.0 * number * np.where(depth > 0.0, depth, np.inf))
+    speed = amplitude * frequency / deep
+    table = (amplitude, frequency, number, cosine, np.sin(direction), np.copysign(1.0, cosine), phase, depth, speed)
     return np.ascontiguousarray(table)
+
+
+def rows_of(table: np.ndarray) -> np.ndarray:
+    """The inverse of `table_of`, but for the order."""
+    amplitude, frequency, number, cosine, sine, _, phase, depth, _ = table
+    return np.column_stack((amplitude, frequency, number, np.arctan2(sine, cosine), phase, depth))

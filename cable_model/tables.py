@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.sea import components
+from cable_model.sea import components, table_of
 from cable_model.sections import pieces
 
 
@@ -25,8 +25,9 @@ def current_over_time(scene: Any) -> np.ndarray:
 
 
 def waves(scene: Any) -> np.ndarray | None:
-    """Rows of components, see sea.components."""
-    return components(scene.waves, scene.environment.gravity, scene.water.depth)
+    """The table of kernels.waves."""
+    rows = components(scene.waves, scene.environment.gravity, scene.water.depth)
+    return None if rows is None else table_of(rows)
 
 
 def stiffness_curve(scene: Any) -> np.ndarray:

@@ -27,7 +27,8 @@ from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
 _KINDS_OF_ENTRY = "ppiddippp" + "pi" * len(TABLES) + "pipip"
 _ENTRY = ctypes.CFUNCTYPE(ctypes.c_int32, *(_KINDS[kind] for kind in _KINDS_OF_ENTRY))  # releases the interpreter's lock
-_NO_ROWS = {name: np.zeros((int(name == "current"), columns)) for name, columns in TABLES.items()}  # no current is one level at rest
+# no current is one level at rest
+_NO_ROWS = {name: np.zeros((columns, 0) if name == "waves" else (int(name == "current"), columns)) for name, columns in TABLES.items()}
 
 
 class ObjectCode:
@@ -114,7 +115,8 @@ class Precompiled:
         self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
         present = np.array([float(part is not None) for part in parts])
         self._held = (model.numbers, present, tables, engine)  # only their addresses are passed
-        rows = [given for table in tables for given in (_at(table), len(table))]
+        counts = [table.shape[name == "waves"] for name, table in zip(TABLES, tables, strict=True)]
+        rows = [given for table, count in zip(tables, counts, strict=True) for given in (_at(table), count)]
         fixed = (_at(self._inputs), _at(model.numbers), _at(present), *rows)
         new_at, status = _at(self._new), (_at(self._status), _at(self._status) + 8)
         entry(*status, SIZES, 0.0, 0.0, 0, *fixed, None, 0, None, 0, new_at)

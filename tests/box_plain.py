@@ -18,9 +18,10 @@ from cable_model.kernels.almost_block_diagonal import solve
 from cable_model.kernels.box_law import Gains, unknowns
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.problem import Body, Cable, Numeric, Problem, Water
+from cable_model.sea import table_of
 from cable_model.signals import OUTPUTS
 
-WAVES = np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]])
+WAVES = table_of(np.array([[0.1, 2.0, 0.4, 0.0, 0.3, 0.0]]))
 SHEARED = np.array([[-5.0, 0.2, 0.0], [-0.5, 1.0, 0.0], [1.0, 2.0, 0.0]])
 STILL, FLOWING, WAVY = (True, None, None), (True, SHEARED, None), (True, SHEARED, WAVES)
 

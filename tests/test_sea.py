@@ -16,7 +16,7 @@ from cable_model.errors import ParameterError
 from cable_model.kernels.waves import elevation, wave_motion
 from cable_model.parameters import Waves
 from cable_model.scene import from_dict
-from cable_model.sea import components, spectral_density
+from cable_model.sea import components, spectral_density, table_of
 
 G = 9.81
 HEIGHT, PERIOD = 3.0, 9.0
@@ -153,7 +153,7 @@ def test_a_seed_gives_one_sea_and_another_seed_another():
 
 def test_the_surface_in_time_has_the_significant_height():
     rows = table(count=200)
-    heights = [elevation(rows, None, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
+    heights = [elevation(table_of(rows), None, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0, 1.0)]
     assert 4.0 * np.std(heights) == pytest.approx(HEIGHT, rel=0.03)
 
 
@@ -198,7 +198,7 @@ def test_spreading_turns_waves_and_changes_nothing_else():
 
 
 def test_the_water_of_a_spread_sea_moves_across_the_main_direction_by_the_closed_share():
-    parts = Parts(waves=spread(2.0, 200), space=True)
+    parts = Parts(waves=table_of(spread(2.0, 200)), space=True)
     velocity = np.array([wave_motion(parts, (0.0, 0.0, 0.0), t)[0] for t in np.arange(0.0, 10800.0)])
     along = velocity[:, 0] * math.cos(0.4) + velocity[:, 1] * math.sin(0.4)
     across = velocity[:, 1] * math.cos(0.4) - velocity[:, 0] * math.sin(0.4)
@@ -249,10 +249,10 @@ def test_spreading_that_means_nothing_is_refused(waves, space, text):
         ({"table": [[1.0, 8.0, 0.0, 0.0]], "components": 20}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
         ({"table": [[1.0, 8.0, 0.0, 0.0]], "seed": 2}, "waves.spectrum = 'none': must be jonswap or pierson-moskowitz beside "),
         ({**LONG, "spectrum": "pierson-moskowitz", "peakedness": 2.0}, "waves.peakedness = 2: must be left out of a pierson-moskowitz "),
-        ({**LONG, "period": 8.0}, "waves.period = 8 s: must be left out beside a spectrum or a table. "),
-        ({**LONG, "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum or a table. "),
-        ({"table": [[1.0, 8.0, 0.0, 0.0]], "period": 9.0}, "waves.period = 9 s: must be left out beside a spectrum or a table. "),
-        ({"table": [[1.0, 8.0, 0.0, 0.0]], "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum or a table. "),
+        ({**LONG, "period": 8.0}, "waves.period = 8 s: must be left out beside a spectrum, a table or a record. "),
+        ({**LONG, "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum, a table or a record. "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "period": 9.0}, "waves.period = 9 s: must be left out beside a spectrum, a table or a record. "),
+        ({"table": [[1.0, 8.0, 0.0, 0.0]], "phase": 1.0}, "waves.phase = 1 rad: must be 0 beside a spectrum, a table or a record. "),
         ({"table": [[1.0, 8.0, 0.0, 0.0]], "direction": math.pi}, "waves.direction = 3.141592654 rad: must be 0 beside waves.table. "),
     ],
 )  # fmt: skip
@@ -264,10 +264,10 @@ def test_values_that_another_kind_of_sea_has_are_refused(waves, text):
 
 @pytest.mark.parametrize(
     "kind", [{"amplitude": 1.0}, {"table": [[1.0, 8.0, 0.0, 0.5]]}, {"spectrum": "pierson-moskowitz", "significant_height": 1.0},
-             {"spectrum": "jonswap", "significant_height": 1.0}],
+             {"spectrum": "jonswap", "significant_height": 1.0}, {"record": [[0.5 * k, math.cos(k)] for k in range(40)]}],
 )  # fmt: skip
 def test_no_value_of_the_waves_is_accepted_and_ignored(kind):
-    """Each, changed alone in each kind of sea, changes the components, or is refused; but how waves go on above still water."""
+    """Each, changed alone in each kind of sea, changes the components, or is refused."""
 
     def of(changes):
         scene = from_dict({**WET, "waves": {**kind, **changes}, "solver": {"space": True}})
@@ -276,8 +276,9 @@ def test_no_value_of_the_waves_is_accepted_and_ignored(kind):
     changed = {
         "amplitude": 2.0, "period": 8.0, "direction": 0.7, "phase": 0.3, "significant_height": 2.0, "peak_period": 7.0, "peakedness": 2.0,
         "components": 40, "seed": 7, "spreading_exponent": 4.0, "spectrum": "jonswap", "table": [[2.0, 9.0, 0.0, 0.5]],
+        "record": [[0.5 * k, math.sin(k)] for k in range(40)],
     }  # fmt: skip
-    rest = {field.name for field in dataclasses.fields(Waves)} - {"surface"}
+    rest = {field.name for field in dataclasses.fields(Waves)} - {"surface", "ramp_time"}  # how they go on above still water, and begin
     assert set(changed) == rest
     for name, value in changed.items():
         if kind.get(name) == value:

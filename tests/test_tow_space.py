@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, circling, follow, still, tow
+from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, circling, follow, still, tow, turned_sea
 
 from cable_model import TowCable, load
 from cable_model.effects import record
@@ -11,12 +11,13 @@ from cable_model.errors import ParameterError
 from cable_model.kernels import tow as plane
 from cable_model.kernels import tow_space
 from cable_model.scene import with_values
+from cable_model.sea import rows_of
 
 pytestmark = pytest.mark.shipped
 
 SPACE = WET._replace(space=True)
 VARIANTS = {
-    "all": ({}, SPACE._replace(waves=WAVES + np.array([0.0, 0.0, 0.0, 0.7, 0.0, 0.0]))),
+    "all": ({}, SPACE._replace(waves=turned_sea(WAVES, 0.7))),
     "disk": ({"tow.body_angle": -0.6}, SPACE),
     "dry": ({}, DRY._replace(space=True)),
     "no cable mass": ({}, SPACE._replace(cable_mass=None)),
@@ -143,7 +144,7 @@ def test_power_balance_closes_at_any_state(variant):
                 v = np.array(top[1]) + share * (ud * e + length * w)
                 flow = np.array([np.interp(place[2], SHEAR[:, 0], SHEAR[:, 1]), 0.0, 0.0])
                 rate = np.zeros(3)
-                for a, omega, k, direction, phase, _ in parts.waves if parts.waves is not None else ():
+                for a, omega, k, direction, phase, _ in rows_of(parts.waves) if parts.waves is not None else ():
                     ahead = np.array([np.cos(direction), np.sin(direction), 0.0])
                     angle = k * place @ ahead - omega * 2.3 + phase
                     size = a * omega * np.exp(k * min(place[2], 0.0))
@@ -179,7 +180,7 @@ def turned_run(parts, angle, count=30, **changes):
     turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
     current = parts.current.copy()
     current[:, 1:] = current[:, 1:] @ turn[:2, :2].T
-    waves = parts.waves + np.array([0.0, 0.0, 0.0, angle, 0.0, 0.0])
+    waves = turned_sea(parts.waves, angle)
     model = tow(parts._replace(current=current, waves=waves), **changes)
     base = circling(1.0, 0.9, 4.0)
 
@@ -206,7 +207,7 @@ def test_a_motion_in_one_plane_is_that_of_the_plane_model():
 
 
 def test_turning_a_scene_about_the_vertical_turns_the_answer():
-    parts = SPACE._replace(waves=WAVES + np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
+    parts = SPACE._replace(waves=turned_sea(WAVES, 0.4))
     before, _ = turned_run(parts, 0.0)
     for angle in (0.7, 2.9):
         after, _ = turned_run(parts, angle)
@@ -255,7 +256,7 @@ def test_the_whole_force_of_a_sideways_current_is_that_of_the_same_current_along
 
 
 def test_state_saved_and_restored_in_space_is_bit_identical():
-    model = tow(SPACE._replace(waves=WAVES + np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0])))
+    model = tow(SPACE._replace(waves=turned_sea(WAVES, 0.4)))
     motion = circling(1.0, 0.9, 4.0)
     model.initialize(motion(0.0))
     follow(model, motion, 0.1, 7)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from test_surface import HEAVED as CROSSED
-from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, Reference, circling, follow, still, tow
+from tow_reference import DRY, NUMBERS, SHEAR, WAVES, WET, Reference, circling, follow, still, tow, turned_sea
 
 from cable_model.cable_chain import CableChain
 from cable_model.effects import PARAMETERS, record
@@ -167,7 +167,7 @@ def test_motion_and_force_are_those_of_the_wet_parts_lagrangian(cable_mass):
 def test_a_motion_in_the_plane_is_that_in_space_and_its_mirror_image_too(waves):
     parts = FLAT._replace(waves=WAVES, **{waves: True})
     c, _ = constants(parts, **THICK)
-    turned = parts._replace(waves=WAVES + np.array([0.0, 0.0, 0.0, np.pi, 0.0, 0.0]), current=SHEAR * [1.0, -1.0, 1.0])
+    turned = parts._replace(waves=turned_sea(WAVES, np.pi), current=SHEAR * [1.0, -1.0, 1.0])
     random = np.random.default_rng(4)
     for top, _, u, ud in crossings(12, 3):
         phi, w = random.uniform(-3.0, 3.0), random.normal() * 0.2

@@ -10,7 +10,8 @@ from cable_model import scene
 from cable_model.effects import Parts
 from cable_model.errors import ParameterError
 from cable_model.kernels.waves import elevation, wave_motion
-from cable_model.sea import wave_number
+from cable_model.parameters import Waves
+from cable_model.sea import components, table_of, wave_number
 from cable_model.simulated import parts_of
 from cable_model.tow_cable import TowCable
 
@@ -22,7 +23,7 @@ KINDS = {"held": {}, "wheeler": {"stretched": True}, "cut": {"cut": True}}
 
 def sea(depth: float, **kinds: bool) -> Parts:
     rows = [(0.8, 1.1, 0.6, 0.3), (0.3, 2.0, -1.0, 2.0)]
-    table = np.array([[a, w, wave_number(w, depth, G), d, p, depth] for a, w, d, p in rows])
+    table = table_of(np.array([[a, w, wave_number(w, depth, G), d, p, depth] for a, w, d, p in rows]))
     return Parts(waves=table, finite_depth=True if depth > 0.0 else None, **kinds)
 
 
@@ -126,7 +127,7 @@ def test_tow_cable_feels_the_irregular_sea():
         ({"waves": {"spectrum": "jonswap"}},
          "waves.significant_height = 0 m: must be > 0 with a spectrum. Give the significant wave height."),
         ({"waves": {"spectrum": "jonswap", "significant_height": 2.0, "amplitude": 1.0}},
-         "waves = 2 kinds: must be one of amplitude, spectrum and table. Keep one of them."),
+         "waves = 2 kinds: must be one of amplitude, spectrum, table and record. Keep one of them."),
         ({"waves": {"table": [[1.0, 0.0, 0.0, 0.0]]}},
          "waves.table[0] = '1 m, 0 s': must be an amplitude >= 0 and a period > 0. Mend the row."),
         ({"waves": {"table": [[1.0, 5.0, 0.7, 0.0]]}},
@@ -144,3 +145,53 @@ def test_seas_that_are_none_are_refused(changes, text):
 def test_absent_parts_of_the_sea_are_absent():
     parts = parts_of(scene.from_dict({**WIRE, "waves": {"amplitude": 1.0}}), "chain")
     assert parts.finite_depth is None and parts.stretched is None and parts.cut is None
+
+
+def direct(rows: np.ndarray, place: np.ndarray, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Velocity, acceleration and gradient (3, 3) of linear waves at z <= 0, by numpy's functions."""
+    a, omega, k, direction, phase, depth = rows.T
+    angle = k * (place[0] * np.cos(direction) + place[1] * np.sin(direction)) - omega * t + phase
+    if depth[0] > 0.0:
+        across = np.exp(k * place[2]) * (1.0 + np.exp(-2.0 * k * (place[2] + depth))) / (1.0 - np.exp(-2.0 * k * depth))
+        rise = np.exp(k * place[2]) * (1.0 - np.exp(-2.0 * k * (place[2] + depth))) / (1.0 - np.exp(-2.0 * k * depth))
+    else:
+        across = rise = np.exp(k * place[2])
+    along = np.array([np.cos(direction), np.sin(direction)])
+    c, s = a * omega * np.cos(angle), a * omega * np.sin(angle)
+    velocity = np.array([*(along @ (across * c)), np.sum(rise * s)])
+    rate = np.array([*(along @ (omega * across * s)), -np.sum(omega * rise * c)])
+    gradient = np.zeros((3, 3))
+    gradient[:2, :2] = -np.einsum("ij,kj,j->ik", along, along, k * across * s)
+    gradient[2, :2] = gradient[:2, 2] = along @ (k * rise * c)
+    gradient[2, 2] = np.sum(k * across * s)
+    return velocity, rate, gradient
+
+
+@pytest.mark.parametrize("depth", [0.0, 60.0])
+@pytest.mark.parametrize("space", [False, True])
+def test_a_sea_is_the_sum_of_its_components(space, depth):
+    """Velocity, acceleration and gradient, near the surface and where most components are no longer felt, early and after three hours."""
+    given = Waves(spectrum="jonswap", significant_height=3.0, peak_period=9.0, components=200, spreading_exponent=4.0 if space else 0.0)
+    rows = components(given, G, depth)
+    scales = [math.sqrt(np.sum((rows[:, 0] * rows[:, 1] * factor) ** 2)) for factor in (1.0, rows[:, 1], rows[:, 2])]
+    parts = Parts(waves=table_of(rows), finite_depth=True if depth else None)
+    axes = [0, 1, 2] if space else [0, 2]
+    rng = np.random.default_rng(4)
+    for _ in range(60):
+        place = np.array([rng.uniform(-500.0, 500.0), rng.uniform(-500.0, 500.0) if space else 0.0, -55.0 * rng.uniform() ** 2])
+        t = rng.choice([rng.uniform(0.0, 100.0), rng.uniform(1e4, 1.1e4)])
+        found = wave_motion(parts, tuple(float(place[k]) for k in axes), float(t))
+        velocity, rate, gradient = direct(rows, place, t)
+        right = (velocity[axes], rate[axes], gradient[np.ix_(axes, axes)].ravel())
+        for value, expected, size in zip(found, right, scales, strict=True):
+            assert np.array(value) == pytest.approx(expected, abs=1e-8 * size)
+
+
+@pytest.mark.parametrize("z", [-200.0, -700.0, -1500.0])
+def test_a_component_that_is_not_felt_is_left_out(z):
+    rows = components(Waves(spectrum="jonswap", significant_height=3.0, peak_period=9.0, components=200), G, 0.0)
+    found = wave_motion(Parts(waves=table_of(rows)), (3.0, z), 5.0)
+    velocity, rate, _ = direct(rows, np.array([3.0, 0.0, z]), 5.0)
+    scale_u = math.sqrt(np.sum((rows[:, 0] * rows[:, 1]) ** 2))
+    assert np.array(found[0]) == pytest.approx(velocity[[0, 2]], abs=3e-9 * scale_u)
+    assert np.array(found[1]) == pytest.approx(rate[[0, 2]], abs=3e-9 * scale_u)

@@ -9,6 +9,7 @@ import numba
 import numpy as np
 
 from cable_model.effects import Parts
+from cable_model.sea import rows_of, table_of
 from cable_model.tow_cable import TowCable
 
 SLOW = bool(numba.config.DISABLE_JIT)  # plain Python: shorter runs
@@ -37,9 +38,14 @@ NUMBERS = {
     "solver.tolerance": 1e-8,
 }
 SHEAR = np.array([[-80.0, -0.1, 0.0], [-40.0, 0.4, 0.0], [-5.0, 1.1, 0.0], [0.0, 1.3, 0.0]])
-WAVES = np.array([[0.8, 0.9, 0.9**2 / 9.81, 0.0, 0.4, 0.0], [0.3, 1.7, 1.7**2 / 9.81, np.pi, -1.0, 0.0]])
+WAVES = table_of(np.array([[0.8, 0.9, 0.9**2 / 9.81, 0.0, 0.4, 0.0], [0.3, 1.7, 1.7**2 / 9.81, np.pi, -1.0, 0.0]]))
 WET = Parts(voigt=True, body=True, water=True, current=SHEAR, cable_mass=True)
 DRY = Parts(body=True, cable_mass=True)
+
+
+def turned_sea(waves: np.ndarray, angle: float) -> np.ndarray:
+    """A table of waves whose directions are turned by an angle, rad."""
+    return table_of(rows_of(waves) + np.array([0.0, 0.0, 0.0, angle, 0.0, 0.0]))
 
 
 @dataclass
@@ -97,7 +103,7 @@ class Reference:
         if self.parts.current is not None:
             vx += np.interp(-y, self.parts.current[:, 0], self.parts.current[:, 1])
         if self.parts.waves is not None:
-            for a, omega, k, direction, phase, _ in self.parts.waves:
+            for a, omega, k, direction, phase, _ in rows_of(self.parts.waves):
                 side = np.sign(np.cos(direction))
                 angle = k * side * x - omega * time + phase
                 size = a * omega * np.exp(-k * max(y, 0.0))

@@ -106,13 +106,16 @@ def inner_options():
     return {**options(), "pipeline_class": Compiler}
 
 
-def kernel(function):
-    """Compile `function` for numba: no Python objects, no GIL, C division rules; cached on disk where a folder is writable."""
+def kernel(function, fastmath=False):
+    """Compile `function` for numba: no Python objects, no GIL, C division rules; cached on disk where a folder is writable.
+
+    `fastmath` is said in any case: else numba takes it from whoever calls the function first.
+    """
     saved = numba.config.CACHE_DIR
     if not saved:
         numba.config.CACHE_DIR = _cache_folder()
     try:
-        called_by_python = njit(cache=True, **options())(function)
+        called_by_python = njit(cache=True, **options(), fastmath=fastmath)(function)
     finally:
         numba.config.CACHE_DIR = saved
     if not numba.config.DISABLE_JIT:
@@ -120,10 +123,19 @@ def kernel(function):
     if "_nrt" in options():
         _refuse_arrays(called_by_python)
     if "pipeline_class" in inner_options():
-        called_by_kernels = njit(**inner_options())(function)
+        called_by_kernels = njit(**inner_options(), fastmath=fastmath)(function)
         called_by_python.get_call_template = called_by_kernels.get_call_template
         called_by_python.get_overload = called_by_kernels.get_overload
     return called_by_python
+
+
+# that sums may be taken in any order, and a product and a sum at once
+SUMS = frozenset(("reassoc", "contract", "nsz"))
+
+
+def summing(function):
+    """Like `kernel`, for loops that add up: their terms may be added in any order, so that the processor does several at a time."""
+    return kernel(function, fastmath=set(SUMS))
 
 
 def _compile_without_collecting(called_by_python):

@@ -142,8 +142,8 @@ def _reach(waves):
     if waves is None:
         return 0.0
     reach = 0.0
-    for j in range(waves.shape[0]):
-        reach += waves[j, AMPLITUDE]
+    for j in range(waves.shape[1]):
+        reach += waves[AMPLITUDE, j]
     return reach
 
 

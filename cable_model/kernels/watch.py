@@ -197,7 +197,7 @@ def open_bottom(finite_depth, seabed, waves):
         return 0.0
     if seabed is not None:
         return 0.0
-    return waves[0, DEPTH]
+    return waves[DEPTH, 0]
 
 
 @kernel
@@ -217,9 +217,9 @@ def _watch_rest(parts, p, state, largest):
 def _watch_waves(waves, state):
     if waves is None:
         return
-    for j in range(waves.shape[0]):
-        if waves[j, AMPLITUDE] * waves[j, NUMBER] > BREAKING:
-            note(state, STEEP, 2.0 * waves[j, AMPLITUDE], 2.0 * math.pi / waves[j, NUMBER])
+    for j in range(waves.shape[1]):
+        if waves[AMPLITUDE, j] * waves[NUMBER, j] > BREAKING:
+            note(state, STEEP, 2.0 * waves[AMPLITUDE, j], 2.0 * math.pi / waves[NUMBER, j])
 
 
 @kernel
@@ -229,16 +229,16 @@ def _watch_wave_steps(waves, p, state):
         return
     state[WAVES_SEEN] = 1.0
     variance = 0.0
-    for j in range(waves.shape[0]):
-        variance += (waves[j, AMPLITUDE] * waves[j, FREQUENCY]) ** 2
+    for j in range(waves.shape[1]):
+        variance += (waves[AMPLITUDE, j] * waves[FREQUENCY, j]) ** 2
     fastest = 0.0
-    for j in range(waves.shape[0]):
+    for j in range(waves.shape[1]):
         slower = 0.0
-        for i in range(waves.shape[0]):
-            if waves[i, FREQUENCY] < waves[j, FREQUENCY]:
-                slower += (waves[i, AMPLITUDE] * waves[i, FREQUENCY]) ** 2
+        for i in range(waves.shape[1]):
+            if waves[FREQUENCY, i] < waves[FREQUENCY, j]:
+                slower += (waves[AMPLITUDE, i] * waves[FREQUENCY, i]) ** 2
         if slower < FELT * variance:
-            fastest = max(fastest, waves[j, FREQUENCY])
+            fastest = max(fastest, waves[FREQUENCY, j])
     if FEWEST_STEPS * state[STEP] * fastest > 2.0 * math.pi:
         note(state, WAVES_COARSE, state[STEP], 2.0 * math.pi / fastest)
 
@@ -249,8 +249,8 @@ def _rise(waves):
     if waves is None:
         return 0.0
     square = 0.0
-    for j in range(waves.shape[0]):
-        square += waves[j, AMPLITUDE] ** 2
+    for j in range(waves.shape[1]):
+        square += waves[AMPLITUDE, j] ** 2
     return math.sqrt(square)
 
 

@@ -1,21 +1,26 @@
-"""Linear waves: dispersion, and velocity, acceleration and gradient of the water under a sum of components.
+"""Linear waves: velocity, acceleration and gradient of the water, and the surface, under a sum of components.
 
-A component's elevation is a cos(k s - omega t + phase), s along its direction.  The table of components has the columns amplitude,
-angular frequency, wave number, direction, phase, depth (0: deep water).  Above z = 0 the values of z = 0 hold, unless the part
-`stretched` (Wheeler: heights are measured from the surface as it is, and scaled to the depth) or `cut` (as held, but nothing above
-the surface as it is) is present.  With the part `wave_ramp` the waves grow from the start of the run.
+A component's elevation is cos(k s - omega t + phase) times its amplitude, s along its direction.  A table has a row a quantity and a column
+a component, by rising wave number: so sums run over a row, several components at a time, and end where the waves reach no deeper.
+Above z = 0 the values of z = 0 hold, unless the part `stretched` (Wheeler: heights are measured from the surface as it is, and scaled to
+the depth) or `cut` (as held, but nothing above the surface as it is) is present.  With the part `wave_ramp` the waves grow from the start.
 """
 
-import math
 from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.jit import kernel
-from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, outer, scale, scale_matrix, upward, zero
+from cable_model.kernels.jit import kernel, summing
+from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, mix, outer, scale, scale_matrix, upward, zero
 
-AMPLITUDE, FREQUENCY, NUMBER, DIRECTION, PHASE, DEPTH = range(6)
+# rows of a table: m, rad/s, 1/m, the direction's cosine and sine, and the sign of its cosine, which is the direction in the plane; rad, m,
+# and amplitude times frequency, over 1 - exp(-2 k depth), m/s
+AMPLITUDE, FREQUENCY, NUMBER, COSINE, SINE, SIGN, PHASE, DEPTH, SPEED = range(9)
+ROWS = 9
 TAPER = 0.05  # of the sum of the amplitudes: height above the surface within which cut waves fade out
-DEEP = 40.0  # k depth and k |z| beyond which exponentials are negligible
+FELT = 20.0  # k |z| beyond which a component is not felt: 2e-9 of what it is at the surface
+# 2 pi in parts, of which the first times a whole number below 2^20 is exact
+TURN, REST_OF_TURN, TURNS = 6.2831853069365025, 2.430840202602477e-10, 0.15915494309189535
+TO_WHOLE = 6755399441055744.0  # 1.5 * 2^52: what is added to it is rounded to a whole number
 
 
 class Ramp(NamedTuple):
@@ -59,41 +64,156 @@ _raised = by_presence(_whole, _rising)
 
 
 @kernel
-def wave_axes(direction, like):
-    """Unit vector of propagation as a D-vector; in the plane its sign only."""
-    if len(like) == 2:
-        return (math.copysign(1.0, math.cos(direction)), 0.0)
-    return (math.cos(direction), math.sin(direction), 0.0)
+def _circle(angle):
+    """Cosine and sine without a branch or a call, to 1e-15: series of a quarter of the angle less its turns, doubled twice."""
+    turns = (angle * TURNS + TO_WHOLE) - TO_WHOLE
+    q = 0.25 * ((angle - turns * TURN) - turns * REST_OF_TURN)
+    y = q * q
+    s = 1.0 - y * (1.0 / 210.0)
+    s = 1.0 - y * (1.0 / 156.0) * s
+    s = 1.0 - y * (1.0 / 110.0) * s
+    s = 1.0 - y * (1.0 / 72.0) * s
+    s = 1.0 - y * (1.0 / 42.0) * s
+    s = 1.0 - y * (1.0 / 20.0) * s
+    s = q * (1.0 - y * (1.0 / 6.0) * s)
+    c = 1.0 - y * (1.0 / 240.0)
+    c = 1.0 - y * (1.0 / 182.0) * c
+    c = 1.0 - y * (1.0 / 132.0) * c
+    c = 1.0 - y * (1.0 / 90.0) * c
+    c = 1.0 - y * (1.0 / 56.0) * c
+    c = 1.0 - y * (1.0 / 30.0) * c
+    c = 1.0 - y * (1.0 / 12.0) * c
+    c = 1.0 - y * (1.0 / 2.0) * c
+    s, c = 2.0 * s * c, (c - s) * (c + s)
+    return (c - s) * (c + s), 2.0 * s * c
+
+
+@kernel
+def _power(x):
+    """exp(x) for x from -FELT to 0, likewise, to 1e-14: the series of a 64th, squared six times."""
+    w = x * 0.015625
+    e = 1.0 + w * (1.0 / 12.0)
+    e = 1.0 + w * (1.0 / 11.0) * e
+    e = 1.0 + w * (1.0 / 10.0) * e
+    e = 1.0 + w * (1.0 / 9.0) * e
+    e = 1.0 + w * (1.0 / 8.0) * e
+    e = 1.0 + w * (1.0 / 7.0) * e
+    e = 1.0 + w * (1.0 / 6.0) * e
+    e = 1.0 + w * (1.0 / 5.0) * e
+    e = 1.0 + w * (1.0 / 4.0) * e
+    e = 1.0 + w * (1.0 / 3.0) * e
+    e = 1.0 + w * (1.0 / 2.0) * e
+    e = 1.0 + w * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    e = e * e
+    return e * e
+
+
+@kernel
+def _felt(waves, z):
+    """How many components are felt at a height z <= 0."""
+    low, high = 0, waves.shape[1]
+    if high == 0 or waves[NUMBER, high - 1] * -z <= FELT:
+        return high
+    while low < high:
+        middle = (low + high) // 2
+        if waves[NUMBER, middle] * -z <= FELT:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@summing
+def _heights_in_plane(waves, x, y, t):
+    """Sums of elevations, of their rates and of their slopes."""
+    number, along, frequency, phase, size = waves[NUMBER], waves[SIGN], waves[FREQUENCY], waves[PHASE], waves[AMPLITUDE]
+    height = rate = slope = 0.0
+    for j in range(waves.shape[1]):
+        c, s = _circle(number[j] * along[j] * x - frequency[j] * t + phase[j])
+        s *= size[j]
+        height += size[j] * c
+        rate += frequency[j] * s
+        slope -= number[j] * s * along[j]
+    return height, rate, (slope, 0.0)
+
+
+@summing
+def _heights_in_space(waves, x, y, t):
+    number, frequency, phase, size = waves[NUMBER], waves[FREQUENCY], waves[PHASE], waves[AMPLITUDE]
+    to_x, to_y = waves[COSINE], waves[SINE]
+    height = rate = slope_x = slope_y = 0.0
+    for j in range(waves.shape[1]):
+        c, s = _circle(number[j] * (to_x[j] * x + to_y[j] * y) - frequency[j] * t + phase[j])
+        s *= size[j]
+        height += size[j] * c
+        rate += frequency[j] * s
+        slope_x -= number[j] * s * to_x[j]
+        slope_y -= number[j] * s * to_y[j]
+    return height, rate, (slope_x, slope_y, 0.0)
 
 
 @kernel
 def elevation(waves, ramp, position, t):
     """Height of the surface over a place, m, its rate, m/s, and its gradient; `ramp` is the part wave_ramp."""
-    height = 0.0
-    rate = 0.0
-    gradient = zero(position)
-    for j in range(waves.shape[0]):
-        along = wave_axes(waves[j, DIRECTION], position)
-        k = waves[j, NUMBER]
-        angle = k * dot(along, position) - waves[j, FREQUENCY] * t + waves[j, PHASE]
-        height += waves[j, AMPLITUDE] * math.cos(angle)
-        s = waves[j, AMPLITUDE] * math.sin(angle)
-        rate += waves[j, FREQUENCY] * s
-        gradient = axpy(-k * s, along, gradient)
+    if len(position) == 2:
+        height, rate, gradient = _heights_in_plane(waves, position[0], 0.0, t)
+    else:
+        height, rate, gradient = _heights_in_space(waves, position[0], position[1], t)
     return _raised(ramp, height, rate, gradient, t)
 
 
-@kernel
-def _profile(finite_depth, k, depth, z):
-    """cosh k(z+h)/sinh kh and sinh k(z+h)/sinh kh: in deep water both are exp(kz)."""
-    e = math.exp(k * z)
-    if finite_depth is None:
-        return e, e
-    if depth <= 0.0 or k * depth > DEEP:
-        return e, e
-    mirrored = math.exp(-k * (z + 2.0 * depth))
-    bottom = 1.0 / (1.0 - math.exp(-2.0 * k * depth))
-    return (e + mirrored) * bottom, (e - mirrored) * bottom
+@summing
+def _sums_in_plane(sign, waves, count, x, y, z, t):
+    """Sums over the components that are felt: velocity, acceleration, change of the velocity with height, and with the place (matrix).
+
+    `sign` -1 is for what a bottom mirrors, at its mirrored height.
+    """
+    number, along, frequency, phase = waves[NUMBER], waves[SIGN], waves[FREQUENCY], waves[PHASE]
+    speed = waves[SPEED]
+    u = w = u_rate = w_rate = u_up = w_up = 0.0
+    for j in range(count):
+        across = _power(number[j] * z)
+        rise = sign * across
+        c, s = _circle(number[j] * along[j] * x - frequency[j] * t + phase[j])
+        c *= speed[j]
+        s *= speed[j]
+        u += across * c * along[j]
+        w += rise * s
+        u_rate += frequency[j] * (across * s * along[j])
+        w_rate -= frequency[j] * (rise * c)
+        u_up += number[j] * (rise * c * along[j])
+        w_up += number[j] * (across * s)
+    return (u, w), (u_rate, w_rate), (u_up, w_up), (-w_up, 0.0, u_up, 0.0)
+
+
+@summing
+def _sums_in_space(sign, waves, count, x, y, z, t):
+    number, frequency, phase, to_x, to_y = waves[NUMBER], waves[FREQUENCY], waves[PHASE], waves[COSINE], waves[SINE]
+    speed = waves[SPEED]
+    u = v = w = u_rate = v_rate = w_rate = u_up = v_up = xx = xy = yy = 0.0
+    for j in range(count):
+        across = _power(number[j] * z)
+        rise = sign * across
+        c, s = _circle(number[j] * (to_x[j] * x + to_y[j] * y) - frequency[j] * t + phase[j])
+        c *= speed[j]
+        s *= speed[j]
+        u += across * c * to_x[j]
+        v += across * c * to_y[j]
+        w += rise * s
+        u_rate += frequency[j] * (across * s * to_x[j])
+        v_rate += frequency[j] * (across * s * to_y[j])
+        w_rate -= frequency[j] * (rise * c)
+        steep = number[j] * across * s
+        u_up += number[j] * (rise * c * to_x[j])
+        v_up += number[j] * (rise * c * to_y[j])
+        xx -= steep * to_x[j] * to_x[j]
+        xy -= steep * to_x[j] * to_y[j]
+        yy -= steep * to_y[j] * to_y[j]
+    return (u, v, w), (u_rate, v_rate, w_rate), (u_up, v_up, -(xx + yy)), (xx, xy, 0.0, xy, yy, 0.0, u_up, v_up, 0.0)
 
 
 @kernel
@@ -105,7 +225,7 @@ def _effective_height(stretched, waves, ramp, position, t):
             return 0.0, zero(position), 0.0
         return z, upward(1.0, position), 0.0
     surface, rate, slope = elevation(waves, ramp, position, t)
-    depth = waves[0, DEPTH]
+    depth = waves[DEPTH, 0]
     if z >= surface:
         return 0.0, zero(position), 0.0
     if depth <= 0.0:
@@ -121,10 +241,12 @@ def _faded(cut, waves, ramp, position, t):
     """Share of the waves' motion at a place, and its gradient: 1 below the surface, 0 above it, a smooth step between."""
     if cut is None:
         return 1.0, zero(position)
-    surface, _, slope = elevation(waves, ramp, position, t)
     height = 0.0
-    for j in range(waves.shape[0]):
-        height += waves[j, AMPLITUDE]
+    for j in range(waves.shape[1]):
+        height += waves[AMPLITUDE, j]
+    if position[len(position) - 1] <= -height:
+        return 1.0, zero(position)
+    surface, _, slope = elevation(waves, ramp, position, t)
     s = (position[len(position) - 1] - surface) / (TAPER * height)
     if s <= 0.0:
         return 1.0, zero(position)
@@ -137,36 +259,51 @@ def _faded(cut, waves, ramp, position, t):
 @kernel
 def wave_motion(parts, position, t):
     """Velocity, acceleration and velocity gradient (rows: components; columns: places) of the waves."""
-    return _sum(parts.waves, parts, position, t)
+    return _motion(parts.waves, parts, position, t)
 
 
 @kernel
-def _sum(waves, parts, position, t):
-    velocity = zero(position)
-    acceleration = zero(position)
-    gradient = diagonal(0.0, position)
-    if waves is None:
-        return velocity, acceleration, gradient
+def _calm(waves, parts, position, t):
+    return zero(position), zero(position), diagonal(0.0, position)
+
+
+@kernel
+def _family(sign, waves, position, z, t):
+    count = _felt(waves, z)
+    if len(position) == 2:
+        return _sums_in_plane(sign, waves, count, position[0], 0.0, z, t)
+    return _sums_in_space(sign, waves, count, position[0], position[1], z, t)
+
+
+@kernel
+def _deep(finite_depth, waves, position, z, t):
+    return _family(1.0, waves, position, z, t)
+
+
+@kernel
+def _over_bottom(finite_depth, waves, position, z, t):
+    """cosh k(z+h)/sinh kh and sinh k(z+h)/sinh kh are the waves of deep water and their mirror images, times what SPEED has."""
+    velocity, acceleration, up, gradient = _family(1.0, waves, position, z, t)
+    depth = waves[DEPTH, 0]
+    if depth <= 0.0:
+        return velocity, acceleration, up, gradient
+    v, a, u, g = _family(-1.0, waves, position, -(z + 2.0 * depth), t)
+    return add(velocity, v), add(acceleration, a), add(up, u), add_matrix(gradient, g)
+
+
+_both_families = by_presence(_deep, _over_bottom)
+
+
+@kernel
+def _rough(waves, parts, position, t):
     z, by_place, z_rate = _effective_height(parts.stretched, waves, parts.wave_ramp, position, t)
-    up = upward(1.0, position)
-    for j in range(waves.shape[0]):
-        k = waves[j, NUMBER]
-        if k * z < -DEEP:
-            continue
-        omega = waves[j, FREQUENCY]
-        along = wave_axes(waves[j, DIRECTION], position)
-        angle = k * dot(along, position) - omega * t + waves[j, PHASE]
-        across, rise = _profile(parts.finite_depth, k, waves[j, DEPTH], z)
-        size = waves[j, AMPLITUDE] * omega
-        c = size * math.cos(angle)
-        s = size * math.sin(angle)
-        velocity = add(velocity, mix(across * c, along, rise * s, up))
-        by_height = mix(k * rise * c, along, k * across * s, up)
-        acceleration = add(acceleration, mix(omega * across * s, along, -omega * rise * c, up))
-        acceleration = axpy(z_rate, by_height, acceleration)
-        by_along = mix(-k * across * s, along, k * rise * c, up)
-        gradient = add_matrix(gradient, add_matrix(outer(by_along, along), outer(by_height, by_place)))
+    velocity, acceleration, up, gradient = _both_families(parts.finite_depth, waves, position, z, t)
+    acceleration = axpy(z_rate, up, acceleration)
+    gradient = add_matrix(gradient, outer(up, by_place))
     share, fading = _faded(parts.cut, waves, parts.wave_ramp, position, t)
     gradient = add_matrix(scale_matrix(share, gradient), outer(velocity, fading))
     velocity, acceleration = scale(share, velocity), scale(share, acceleration)
     return grown(parts.wave_ramp, velocity, acceleration, gradient, t)
+
+
+_motion = by_presence(_calm, _rough)

@@ -9,6 +9,7 @@ import numpy as np
 
 from cable_model.motion import motion_of
 from cable_model.scene import Scene
+from cable_model.sea import rows_of
 from cable_model.simulated import lacking, parts_of
 from cable_model.studies.settings import TOW, allowed, straight
 from cable_model.studies.timed import Setting, timed
@@ -36,7 +37,7 @@ def forcing(scene: Scene, axes: str = "xyz") -> list[float]:
         found += [float(np.sqrt(np.mean(rate[:, k] ** 2)) / spread[k]) for k in map("xyz".index, axes) if spread[k] > 0.0]
     waves = parts_of(scene, "chain").waves
     if isinstance(waves, np.ndarray):
-        found += [float(row[1]) for row in waves]
+        found += rows_of(waves)[:, 1].tolist()
     return [omega for omega in found if omega > 0.0]
 
 

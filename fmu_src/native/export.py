@@ -182,7 +182,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     ):  # fmt: skip
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
-        present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (n_components, 6))
+        present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (9, n_components))
         over_time = carray(history, (n_history, 4))
         laws, sections, on_line = carray(curve, (n_rows, 3)), carray(pieces, (n_pieces, 10)), carray(bodies, (n_bodies, 5))
         parts = parts_now(present, current, over_time, waves, laws, sections, on_line)
@@ -307,7 +307,7 @@ def _optimized(bitcode: bytes) -> bytes:
 
     module = llvm.parse_bitcode(bitcode)
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
-    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    tuning.loop_vectorization, tuning.slp_vectorization, tuning.loop_unrolling = True, False, False
     builder = llvm.create_pass_builder(_machine(LINUX), tuning)
     builder.getModulePassManager().run(module, builder)
     made: bytes = module.as_bitcode()

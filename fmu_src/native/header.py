@@ -149,7 +149,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     parts = rules.parts()
     baked = parts_of(scene, model)
     levels = _rows(baked.current if scene.current.levels else None)
-    sea = _rows(baked.waves if has_sea(scene, model) else None)
+    sea = _rows(baked.waves if has_sea(scene, model) else None)  # a row a quantity
     tables = {part: _rows(getattr(baked, part)) for part in TABLES if part not in ("current", "waves")}
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
     names = {
@@ -160,7 +160,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         "WAVE_AMPLITUDE": place["wave.amplitude"], "WAVE_PERIOD": place["wave.period"],
         "WAVE_DIRECTION": place["wave.direction"], "WAVE_PHASE": place["wave.phase"],
         "CURRENT": Parts._fields.index("current"), "WAVES": Parts._fields.index("waves"), "N_BAKED_LEVELS": len(levels),
-        "N_BAKED_WAVES": len(sea), **{f"N_BAKED_{part.upper()}": len(rows) for part, rows in tables.items()},
+        "N_BAKED_WAVES": len(baked.waves[0]) if sea else 0, **{f"N_BAKED_{part.upper()}": len(rows) for part, rows in tables.items()},
         "ABSENT": entries.ABSENT, "PRESENT": entries.PRESENT, "EITHER": entries.EITHER, "ALWAYS": entries.ALWAYS,
         "SIZES": entries.SIZES, "START": entries.START, "STEP": entries.STEP, "SHAPE": entries.SHAPE, "SHAPE_AT": f"{place[SHAPE[0]]}u",
         "CHANGED": CHANGED,
@@ -193,7 +193,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("char *const", "failures", formats),
         _array("char *const", "doubts", (_text(text) for text in SEEN)),
         _array("double", "baked_levels", levels or ["{0.0, 0.0, 0.0}"], "][3"),
-        _array("double", "baked_waves", sea or ["{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}"], "][6"),
+        _array("double", "baked_waves", sea or ["{0.0}"] * TABLES["waves"], f"][{len(baked.waves[0]) if sea else 1}"),
         *(
             _array("double", f"baked_{part}", rows or [f"{{{', '.join(['0.0'] * TABLES[part])}}}"], f"][{TABLES[part]}")
             for part, rows in tables.items()

@@ -29,7 +29,7 @@ _SEA = ("wave.amplitude", "wave.period", "wave.direction", "wave.phase", "enviro
 
 def has_sea(scene: Scene, model: str) -> bool:
     """Whether a scene's waves are baked in as rows: many, or over a finite depth."""
-    given = (Given("waves.spectrum"), Given("waves.table"))
+    given = (Given("waves.spectrum"), Given("waves.table"), Given("waves.record"))
     return any(true(condition, scene, model) for condition in given) or is_on(BY_NAME["finite_depth"], scene, model)
 
 
