@@ -69,6 +69,13 @@ BAKED: dict[str, tuple[str, dict[str, Any]]] = {
         "water": {}, "current": {"speed": 0.2}, "lower_end": {"anchored": True, "x": -50.0, "z": -30.0},
         "seabed": {"level": -30.0, "stiffness": 1e5}, "solver": {"nodes": 27},
     }),
+    "chain in a record of waves that grows, in a current over time and by inputs": ("chain", {
+        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
+        "water": {"density": 1025.0, "current_input": True}, "body": {"mass": 50.0}, "solver": {"nodes": 21},
+        "top": {"position": [0.0, 0.0, -1.0]},
+        "current": {"table": [[0.0, 0.0, 0.5, 0.0], [0.0, -40.0, 0.1, 0.0], [1.0, 0.0, 0.9, 0.0], [1.0, -40.0, 0.2, 0.0]]},
+        "waves": {"record": [[0.5 * k, 0.6 * float(np.cos(0.4 * k)) + 0.1 * (k % 5)] for k in range(40)], "ramp_time": 0.5},
+    }),
     "chain on the box grid": ("chain", {
         "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
         "water": {"density": 1025.0}, "body": {"mass": 50.0}, "solver": {"nodes": 21, "grid": "box"},
@@ -91,6 +98,8 @@ def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Pat
     fmu = Fmu(build.build_native(key, folder / "Baked.fmu", scene, ["linux64"]), folder / "x")
     start = np.array([*scene.top.position, *[0.0] * 6])
     inputs = np.array([start + sway(k * step, 0.05) for k in range(steps)])
+    if scene.water is not None and scene.water.current_input:
+        inputs = np.column_stack((inputs, np.zeros((steps, 10)), 0.01 * np.arange(steps), np.zeros(steps)))
     instance = fmu.instance()
     assert_same(native_run(instance, {}, inputs, step), library_run(key, scene, inputs, step))
     assert instance.get("effects.active") == in_variables(one_line(scene, key))

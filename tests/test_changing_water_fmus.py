@@ -1,0 +1,67 @@
+"""The FMUs in water that changes: what the library gives, restored states, and refusals; the program of the guide."""
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmu_support import FMICallException, assert_same, sway
+from native_support import FLAVOURS, library_run, native_run
+
+from cable_model.models import MODELS
+from cable_model.signals import INPUTS
+from fmu_src.interface import generic_scene, scene_from_values
+
+pytestmark = pytest.mark.shipped
+
+GUIDE = Path(__file__).parent.parent / "docs" / "how_to" / "water.md"
+STEP = 0.1
+VALUES = {
+    "water.current_input": True, "current.speed": 0.6, "current.ramp_time": 2.0, "wave.amplitude": 0.8, "wave.period": 6.0,
+    "wave.ramp_time": 3.0, "top.motion_order": 2,
+}  # fmt: skip
+
+
+def flowing(t: float, aside: float) -> np.ndarray:
+    """All inputs: a top that sways, and a current that turns."""
+    return np.array([*sway(t), *[0.0] * 10, 0.4 * math.sin(0.7 * t) + 0.1, aside * math.cos(0.9 * t)])
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+@pytest.mark.parametrize("model", sorted(MODELS))
+@pytest.mark.parametrize("space", [False, True])
+def test_every_fmu_gives_what_the_library_gives_and_restores_it(request, flavour, model, space):
+    fmu = request.getfixturevalue(flavour)[model]
+    values = {**VALUES, "solver.space": space}
+    inputs = np.array([flowing(k * STEP, 0.3 if space else 0.0) for k in range(40)])
+    instance = fmu.instance()
+    found = native_run(instance, values, inputs, STEP)
+    assert_same(found, library_run(model, scene_from_values(generic_scene(), values, model), inputs, STEP))
+    for words in ("current that inputs give", "current that grows from the start", "waves that grow from the start"):
+        assert words in instance.get("effects.active")
+    saved = instance.slave.getFMUstate()
+    ahead = [instance.step((40 + k) * STEP, STEP, inputs[k]) for k in range(5)]
+    instance.slave.setFMUstate(saved)
+    assert np.array_equal([instance.step((40 + k) * STEP, STEP, inputs[k]) for k in range(5)], ahead)
+    instance.close()
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
+@pytest.mark.parametrize("model", sorted(MODELS))
+def test_a_current_that_an_fmu_does_not_ask_for_is_refused(request, flavour, model):
+    given = np.zeros(len(INPUTS))
+    instance = request.getfixturevalue(flavour)[model].instance()
+    instance.initialize({}, given)
+    given[INPUTS.index("water.current_y")] = 0.1
+    with pytest.raises(FMICallException):
+        instance.step(0.0, 0.1, given)
+    assert "the inputs water.current_x and y give a current, but are not asked for" in instance.errors[-1]
+    instance.close()
+
+
+def test_the_guides_program_runs():
+    (program,) = re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
+    names: dict = {}
+    exec(program, names)
+    assert names["cable"].outputs[INPUTS.index("top.x")] != 0.0
