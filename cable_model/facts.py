@@ -19,7 +19,7 @@ class Facts(NamedTuple):
 
 
 _OF_INPUTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
-_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13]), (*INPUTS[3:6], *INPUTS[13:16]), ()
+_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13], *INPUTS[19:]), (*INPUTS[3:6], *INPUTS[13:16]), ()
 _DRIVEN = "(needs lower_end.driven)"
 # of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
 _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
@@ -83,7 +83,7 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
         100.0,
         _PLACES,
     ),
-    "seabed.force_z": ("N", "force of the seabed on the cable, upwards", 1e3, _PLACES),
+    "seabed.force_z": ("N", "force of the seabed on the cable, upwards; an anchor on it holds its own half of a cell", 1e3, _PLACES),
     **{
         f"seabed.touchdown_{axis}": ("m", f"where the cable, from its top, touches down, else its lower end, {axis}", 100.0, _PLACES)
         for axis in "xyz"

@@ -76,6 +76,10 @@ RULES = (
         AMPLITUDE & OTHER_THAN_ONE | SPECTRUM & (TABLE | RECORD) | TABLE & RECORD, "waves", "one of amplitude, spectrum, table and record",
         "Keep one of them.",
     ),
+    Rule(
+        (Chosen("waves.surface", "wheeler") | Chosen("waves.surface", "cut")) & ~SEA, "waves.surface", "held without waves",
+        "Give waves, or remove it.",
+    ),
     Rule(Given("waves.ramp_time") & ~SEA, "waves.ramp_time", "0 without waves", "Give waves, or remove it."),
     Rule(
         Given("current.ramp_time") & ~(Given("current.speed") | LEVELS | CHANGING), "current.ramp_time", "0 without a current",
@@ -264,11 +268,15 @@ def _is_grid(rows: Sequence[Sequence[float]]) -> bool:
 
 
 def _is_even(rows: Sequence[Sequence[float]]) -> bool:
-    """Whether there are no rows, or some whose first values rise by equal steps."""
+    """Whether there are no rows, or some whose first values rise by equal steps, and whose second ones are not all the same."""
     if not rows:
         return True
     steps = [high[0] - low[0] for low, high in pairwise(rows)]
-    return len(rows) >= FEWEST_OF_A_RECORD and all(step > 0.0 and abs(step - steps[0]) <= EVEN * steps[0] for step in steps)
+    return (
+        len(rows) >= FEWEST_OF_A_RECORD
+        and any(row[1] != rows[0][1] for row in rows)
+        and all(step > 0.0 and abs(step - steps[0]) <= EVEN * steps[0] for step in steps)
+    )
 
 
 # of tables, which have no place in FMUs: the name, whether its rows are right, what they must be and what to do
@@ -281,7 +289,8 @@ TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
     ("current.levels", lambda rows: rising(rows) or rising(rows[::-1]), "sorted by z without repeats", "Sort the table by z."),
     ("current.table", _is_grid, "the same levels at every time, each once", "Give every level at every time."),
     (
-        "waves.record", _is_even, f"at least {FEWEST_OF_A_RECORD} rows of time that rises by equal steps", "Sort the rows, and fill gaps.",
+        "waves.record", _is_even, f"at least {FEWEST_OF_A_RECORD} rows of time that rises by equal steps, and of heights that differ",
+        "Sort the rows, and fill gaps.",
     ),
 )  # fmt: skip
 

@@ -375,8 +375,11 @@ def test_a_current_across_the_plane_is_refused(model):
         ({"current__table": [[0.0, 0.0, 1.0, 0.4]]}, "current.table[0] = 0.4 rad: must be 0 or pi in the plane."),
         (
             {"waves__record": [[float(k), 0.1 * (k % 3)] for k in (0, 1, 2, 3, 5, 6, 7, 8, 9)]},
-            "waves.record = 9 rows: must be at least 8 rows of time that rises by equal steps. Sort the rows, and fill gaps.",
+            "waves.record = 9 rows: must be at least 8 rows of time that rises by equal steps, and of heights that differ. "
+            "Sort the rows, and fill gaps.",
         ),
+        ({"waves__record": [[float(k), 0.5] for k in range(9)]}, "waves.record = 9 rows: must be at least 8 rows of time that rises by"),
+        ({"waves__surface": "wheeler"}, "waves.surface = 'wheeler': must be held without waves. Give waves, or remove it."),
         (
             {"waves__record": [[float(k), 0.1 * (k % 3)] for k in range(9)], "waves__amplitude": 1.0},
             "waves = 2 kinds: must be one of amplitude, spectrum, table and record. Keep one of them.",
@@ -398,3 +401,34 @@ def test_what_is_not_there_adds_nothing():
     parts = Parts(current=levels, stream=Stream(0.0, 0.0, 0.0, 0.0, t), current_ramp=Ramp(0.0, 10.0), wave_ramp=Ramp(0.0, 0.0))
     assert current_motion(parts, place, t) == plain
     assert INPUTS[19:] == ("water.current_x", "water.current_y")
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        (
+            {"current__table": [[0.0, 0.0, 0.1, 0.0], [0.1, 0.0, 0.3, 0.0]]},
+            "rows of current.table 0.1 s apart, internal step = 0.02 s: the push of water that changes within a few steps is lost in part. "
+            "Set solver.time_step = 0.01, or give smoother rows.",
+        ),
+        (
+            {"current__table": [[0.0, 10.0, 0.5, 0.0], [0.0, 50.0, 0.1, 0.0]]},
+            "levels of current.table from z = 10 to 50 m: all above the water. z points up from still water: give depths as negative z.",
+        ),
+        (
+            {"waves__record": [[0.5 * k, 0.05 * k] for k in range(40)]},
+            "waves.record = 1.95 m from its last row to its first, at most 0.05 m from any other row to the next: it repeats with a jump, "
+            "which its waves have all the time. Cut or fade it so that both ends meet.",
+        ),
+    ],
+)
+def test_what_a_run_does_not_follow_is_told(changes, text):
+    model = make(LINE, **changes)
+    model.initialize(DEEP(0.0))
+    assert text in model.warnings()
+
+
+def test_a_current_that_nothing_gives_in_a_run_is_told():
+    run = simulate(CableChain(made(LINE, **BY_INPUT, run__duration=0.2)))
+    assert any(text.startswith("water.current_input = true in a run without a host") for text in run.warnings)
+    assert not any("current" in text for text in simulate(CableChain(made(LINE, run__duration=0.2))).warnings)

@@ -72,7 +72,7 @@ def test_the_native_fmu_takes_derivatives_of_the_lower_ends_inputs(native):
         ends = [f"{end}.{{}}{axis}" for end in ("top", "lower") for axis in "xyz"]
         places, velocities = ([instance.fmu.references[name.format(kind)] for name in ends] for kind in ("", "v"))
         for k in range(20):
-            given = dict(zip(INPUTS, SWAYING(0.05 * k).tolist(), strict=True))
+            given = dict(zip(INPUTS, SWAYING(0.05 * k).tolist(), strict=False))  # but for the current
             speeds = [given[name.format("v")] for name in ends]
             instance.slave.setReal(places, [given[name.format("")] for name in ends])
             if by_derivatives:

@@ -187,7 +187,7 @@ def test_a_failed_step_is_an_error_that_lasts_until_reset_or_restore(fmus: dict[
     with pytest.raises(FMICallException):
         instance.step(5 * STEP, STEP, with_input("top.vy", 0.5))
     (error,) = instance.errors
-    assert error.startswith("TowCable at t = 0.25 s: the top or lower end left the vertical plane")
+    assert error.startswith("TowCable at t = 0.25 s: the top, the lower end or a current that inputs give left the vertical plane")
     assert "Keep top.y and lower.y constant" in error
     instance.messages.clear()
     with pytest.raises(FMICallException):

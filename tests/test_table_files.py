@@ -35,6 +35,7 @@ def written(folder, more, **files):
 TEXTS = {
     "commas and names": "time,z,speed,direction\n0,0,0.5,0\n60,0,0.8,1.5\n",
     "semicolons and comments": "# a comment\n0; 0; 0.5; 0\n\n60; 0; 0.8; 1.5  # another",
+    "units": "time [s], z (m), Speed (m/s), direction (rad)\n0,0,0.5,0\n60,0,0.8,1.5\n",
     "blanks": "0 0 0.5 0\n60\t0\t0.8\t1.5",
 }
 
@@ -58,11 +59,20 @@ def test_every_table_of_a_scene_may_be_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("0 0 1 0\n1 0 x 0\n", "current.table: {}, line 2: could not convert string to float: 'x'. Give numbers."),
+        ("0 0 1 0\n1 0 x 0\n", "current.table: {}, line 2: 'x' is no number. Give numbers."),
         ("0 0 1\n", "current.table: {}, line 1 = 3 columns: must be 4: s, m, m/s, rad. Mend the row."),
         ("# nothing\n", "current.table: {}: no rows. Give rows of numbers."),
         ("0 0 nan 0\n", "current.table[0][2] = nan s, m, m/s, rad: must be finite."),
-        ("a\nb\n", "current.table: {}, line 2: could not convert string to float: 'b'. Give numbers."),
+        ("0,0,1.0O,0\n10,0,0.2,0\n", "current.table: {}, line 1: '1.0O' is no number. Give numbers."),
+        (
+            "z,time,speed,direction\n0,0,1,0\n",
+            "current.table: {}, line 1: names 'z,time,speed,direction': must be time (s), z (m), ",
+        ),
+        (
+            "time (h),z,speed,direction\n0,0,1,0\n",
+            "current.table: {}, line 1: names 'time (h),z,speed,direction': must be time (s), ",
+        ),
+        ("time,z,u,v\n0,0,1,0\n", "current.table: {}, line 1: names 'time,z,u,v': must be "),
     ],
 )
 def test_a_file_that_is_no_table_is_one_clear_error(tmp_path, text, told):
@@ -114,3 +124,24 @@ class TestNetcdf:
     def test_a_file_of_another_kind_is_refused(self, tmp_path):
         with pytest.raises(ParameterError, match=r"ocean\.nc: not read as netCDF"):
             load(written(tmp_path, '[current]\ntable = "ocean.nc"\n', ocean__nc="no such thing"))
+
+    def test_one_moment_and_falling_times_are_read(self, tmp_path):
+        data = self.data()
+        data.isel(time=[1]).to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        assert len(load(written(tmp_path, '[current]\ntable = "ocean.nc"\n')).current.table) == 2
+        data.isel(time=[1, 0]).to_netcdf(tmp_path / "falling.nc", engine="scipy")
+        data.to_netcdf(tmp_path / "rising.nc", engine="scipy")
+        falling, rising = (load(written(tmp_path, f'[current]\ntable = "{name}.nc"\n')).current.table for name in ("falling", "rising"))
+        assert sorted(falling) == sorted(rising)
+
+    def test_other_units_and_an_axis_of_unknown_sense_are_refused(self, tmp_path):
+        data = self.data()
+        data["ucur"].attrs["units"] = "cm s-1"
+        data.to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        with pytest.raises(ParameterError, match=r"ucur in 'cm s-1': must be in m/s\. Convert it\."):
+            load(written(tmp_path, '[current]\ntable = "ocean.nc"\n'))
+        data = self.data().rename(depth="lev")
+        data["lev"].attrs.pop("positive")
+        data.to_netcdf(tmp_path / "ocean.nc", engine="scipy")
+        with pytest.raises(ParameterError, match=r"lev without `positive`: must be up or down\."):
+            load(written(tmp_path, '[current]\ntable = "ocean.nc"\n'))

@@ -283,13 +283,13 @@ def test_a_top_that_leaves_the_plane_is_refused():
     aside = still()
     aside[1] = 1e-3
     before = model.state.copy()
-    with pytest.raises(SolverError, match="the top or lower end left the vertical plane"):
+    with pytest.raises(SolverError, match="the top, the lower end or a current that inputs give left the vertical plane"):
         model.advance(0.0, 0.1, still(), aside)
     assert np.array_equal(model.state[: header.ERROR_TIME], before[: header.ERROR_TIME])
     assert np.array_equal(model.state[header.HEADER :], before[header.HEADER :])
     moving = still()
     moving[4] = 0.1
-    with pytest.raises(SolverError, match="the top or lower end left the vertical plane"):
+    with pytest.raises(SolverError, match="the top, the lower end or a current that inputs give left the vertical plane"):
         tow(DRY).initialize(moving)
 
 

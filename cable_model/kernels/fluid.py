@@ -11,7 +11,7 @@ from cable_model.kernels.choice import by_presence, given
 from cable_model.kernels.header import START, STREAM, TIME
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
-from cable_model.kernels.waves import Ramp, grown, wave_motion
+from cable_model.kernels.waves import Ramp, count_until, grown, wave_motion
 
 
 class Stream(NamedTuple):
@@ -109,23 +109,10 @@ def _by_height(current, position):
 
 
 @kernel
-def _rows_until(table, t):
-    """How many rows, whose times rise, are not later than t."""
-    low, high = 0, table.shape[0]
-    while low < high:
-        middle = (low + high) // 2
-        if table[middle, 0] <= t:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@kernel
 def _by_time(table, current, position, t):
     """From rows of time, z, vx, vy, as many at each time: linear, held before and after."""
-    count = _rows_until(table, table[0, 0])
-    until = min(max(_rows_until(table, t), count), table.shape[0])
+    count = count_until(table[:, 0], table[0, 0])
+    until = max(count_until(table[:, 0], t), count)
     v, g = _between_levels(table, 1, until - count, until, position)
     if t <= table[0, 0] or until == table.shape[0]:
         return v, zero(position), g

@@ -106,7 +106,7 @@ def inner_options():
     return {**options(), "pipeline_class": Compiler}
 
 
-def kernel(function, fastmath=False):
+def kernel(function, fastmath=False, forceinline=False):
     """Compile `function` for numba: no Python objects, no GIL, C division rules; cached on disk where a folder is writable.
 
     `fastmath` is said in any case: else numba takes it from whoever calls the function first.
@@ -115,7 +115,7 @@ def kernel(function, fastmath=False):
     if not saved:
         numba.config.CACHE_DIR = _cache_folder()
     try:
-        called_by_python = njit(cache=True, **options(), fastmath=fastmath)(function)
+        called_by_python = njit(cache=True, **options(), fastmath=fastmath, forceinline=forceinline)(function)
     finally:
         numba.config.CACHE_DIR = saved
     if not numba.config.DISABLE_JIT:
@@ -123,19 +123,24 @@ def kernel(function, fastmath=False):
     if "_nrt" in options():
         _refuse_arrays(called_by_python)
     if "pipeline_class" in inner_options():
-        called_by_kernels = njit(**inner_options(), fastmath=fastmath)(function)
+        called_by_kernels = njit(**inner_options(), fastmath=fastmath, forceinline=forceinline)(function)
         called_by_python.get_call_template = called_by_kernels.get_call_template
         called_by_python.get_overload = called_by_kernels.get_overload
     return called_by_python
 
 
-# that sums may be taken in any order, and a product and a sum at once
-SUMS = frozenset(("reassoc", "contract", "nsz"))
+# that sums may be taken in any order; not that a product and a sum are rounded once, which only some processors do
+SUMS = frozenset(("reassoc", "nsz"))
 
 
 def summing(function):
     """Like `kernel`, for loops that add up: their terms may be added in any order, so that the processor does several at a time."""
     return kernel(function, fastmath=set(SUMS))
+
+
+def summand(function):
+    """Like `kernel`, for what such a loop adds up: computed as it is written, and never by a call, which would end that."""
+    return kernel(function, forceinline=True)
 
 
 def _compile_without_collecting(called_by_python):

@@ -9,7 +9,7 @@ the depth) or `cut` (as held, but nothing above the surface as it is) is present
 from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.jit import kernel, summing
+from cable_model.kernels.jit import kernel, summand, summing
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, mix, outer, scale, scale_matrix, upward, zero
 
 # rows of a table: m, rad/s, 1/m, the direction's cosine and sine, and the sign of its cosine, which is the direction in the plane; rad, m,
@@ -63,7 +63,7 @@ def _rising(ramp, height, rate, gradient, t):
 _raised = by_presence(_whole, _rising)
 
 
-@kernel
+@summand
 def _circle(angle):
     """Cosine and sine without a branch or a call, to 1e-15: series of a quarter of the angle less its turns, doubled twice."""
     turns = (angle * TURNS + TO_WHOLE) - TO_WHOLE
@@ -88,7 +88,7 @@ def _circle(angle):
     return (c - s) * (c + s), 2.0 * s * c
 
 
-@kernel
+@summand
 def _power(x):
     """exp(x) for x from -FELT to 0, likewise, to 1e-14: the series of a 64th, squared six times."""
     w = x * 0.015625
@@ -112,19 +112,37 @@ def _power(x):
     return e * e
 
 
+@summand
+def _angle(number, to_x, to_y, x, y, frequency, t, phase):
+    return number * (to_x * x + to_y * y) - frequency * t + phase
+
+
+@summand
+def _product(a, b):
+    """As it is written, in a function whose sums are not."""
+    return a * b
+
+
 @kernel
-def _felt(waves, z):
-    """How many components are felt at a height z <= 0."""
-    low, high = 0, waves.shape[1]
-    if high == 0 or waves[NUMBER, high - 1] * -z <= FELT:
+def count_until(rising, most):
+    """How many of rising numbers are not above the most."""
+    low, high = 0, rising.shape[0]
+    if high == 0 or rising[high - 1] <= most:
         return high
     while low < high:
         middle = (low + high) // 2
-        if waves[NUMBER, middle] * -z <= FELT:
+        if rising[middle] <= most:
             low = middle + 1
         else:
             high = middle
     return low
+
+
+@summand
+def _height(size, frequency, number, angle):
+    """Elevation of a component, its rate, and its slope along its direction."""
+    c, s = _circle(angle)
+    return size * c, frequency * (size * s), -number * (size * s)
 
 
 @summing
@@ -133,11 +151,10 @@ def _heights_in_plane(waves, x, y, t):
     number, along, frequency, phase, size = waves[NUMBER], waves[SIGN], waves[FREQUENCY], waves[PHASE], waves[AMPLITUDE]
     height = rate = slope = 0.0
     for j in range(waves.shape[1]):
-        c, s = _circle(number[j] * along[j] * x - frequency[j] * t + phase[j])
-        s *= size[j]
-        height += size[j] * c
-        rate += frequency[j] * s
-        slope -= number[j] * s * along[j]
+        h, r, g = _height(size[j], frequency[j], number[j], _angle(number[j], along[j], 0.0, x, 0.0, frequency[j], t, phase[j]))
+        height += h
+        rate += r
+        slope += _product(g, along[j])
     return height, rate, (slope, 0.0)
 
 
@@ -147,12 +164,11 @@ def _heights_in_space(waves, x, y, t):
     to_x, to_y = waves[COSINE], waves[SINE]
     height = rate = slope_x = slope_y = 0.0
     for j in range(waves.shape[1]):
-        c, s = _circle(number[j] * (to_x[j] * x + to_y[j] * y) - frequency[j] * t + phase[j])
-        s *= size[j]
-        height += size[j] * c
-        rate += frequency[j] * s
-        slope_x -= number[j] * s * to_x[j]
-        slope_y -= number[j] * s * to_y[j]
+        h, r, g = _height(size[j], frequency[j], number[j], _angle(number[j], to_x[j], to_y[j], x, y, frequency[j], t, phase[j]))
+        height += h
+        rate += r
+        slope_x += _product(g, to_x[j])
+        slope_y += _product(g, to_y[j])
     return height, rate, (slope_x, slope_y, 0.0)
 
 
@@ -166,28 +182,48 @@ def elevation(waves, ramp, position, t):
     return _raised(ramp, height, rate, gradient, t)
 
 
+@summand
+def _component(sign, speed, frequency, number, z, angle):
+    """Of a component at a height: velocity along its direction and upwards, their rates, and their changes with height."""
+    across = _power(number * z)
+    rise = sign * across
+    c, s = _circle(angle)
+    c *= speed
+    s *= speed
+    u, w = across * c, rise * s
+    return u, w, frequency * (across * s), -frequency * (rise * c), number * (rise * c), number * (across * s)
+
+
 @summing
 def _sums_in_plane(sign, waves, count, x, y, z, t):
     """Sums over the components that are felt: velocity, acceleration, change of the velocity with height, and with the place (matrix).
 
-    `sign` -1 is for what a bottom mirrors, at its mirrored height.
+    `sign` -1 is for what a bottom mirrors, at its mirrored height.  Only the sums are in any order, not what makes a component.
     """
     number, along, frequency, phase = waves[NUMBER], waves[SIGN], waves[FREQUENCY], waves[PHASE]
     speed = waves[SPEED]
     u = w = u_rate = w_rate = u_up = w_up = 0.0
     for j in range(count):
-        across = _power(number[j] * z)
-        rise = sign * across
-        c, s = _circle(number[j] * along[j] * x - frequency[j] * t + phase[j])
-        c *= speed[j]
-        s *= speed[j]
-        u += across * c * along[j]
-        w += rise * s
-        u_rate += frequency[j] * (across * s * along[j])
-        w_rate -= frequency[j] * (rise * c)
-        u_up += number[j] * (rise * c * along[j])
-        w_up += number[j] * (across * s)
+        angle = _angle(number[j], along[j], 0.0, x, 0.0, frequency[j], t, phase[j])
+        across, rise, across_rate, rise_rate, across_up, rise_up = _component(sign, speed[j], frequency[j], number[j], z, angle)
+        u += _product(across, along[j])
+        w += rise
+        u_rate += _product(across_rate, along[j])
+        w_rate += rise_rate
+        u_up += _product(across_up, along[j])
+        w_up += rise_up
     return (u, w), (u_rate, w_rate), (u_up, w_up), (-w_up, 0.0, u_up, 0.0)
+
+
+@summand
+def _component_in_space(sign, speed, frequency, number, to_x, to_y, z, angle):
+    """The same by axes, and what waves steepen by: -du/dx, -du/dy and -dv/dy."""
+    across, rise, across_rate, rise_rate, across_up, rise_up = _component(sign, speed, frequency, number, z, angle)
+    x_share, y_share = rise_up * to_x, rise_up * to_y
+    return (
+        across * to_x, across * to_y, rise, across_rate * to_x, across_rate * to_y, rise_rate, across_up * to_x, across_up * to_y,
+        x_share * to_x, x_share * to_y, y_share * to_y,
+    )  # fmt: skip
 
 
 @summing
@@ -196,24 +232,20 @@ def _sums_in_space(sign, waves, count, x, y, z, t):
     speed = waves[SPEED]
     u = v = w = u_rate = v_rate = w_rate = u_up = v_up = xx = xy = yy = 0.0
     for j in range(count):
-        across = _power(number[j] * z)
-        rise = sign * across
-        c, s = _circle(number[j] * (to_x[j] * x + to_y[j] * y) - frequency[j] * t + phase[j])
-        c *= speed[j]
-        s *= speed[j]
-        u += across * c * to_x[j]
-        v += across * c * to_y[j]
-        w += rise * s
-        u_rate += frequency[j] * (across * s * to_x[j])
-        v_rate += frequency[j] * (across * s * to_y[j])
-        w_rate -= frequency[j] * (rise * c)
-        steep = number[j] * across * s
-        u_up += number[j] * (rise * c * to_x[j])
-        v_up += number[j] * (rise * c * to_y[j])
-        xx -= steep * to_x[j] * to_x[j]
-        xy -= steep * to_x[j] * to_y[j]
-        yy -= steep * to_y[j] * to_y[j]
-    return (u, v, w), (u_rate, v_rate, w_rate), (u_up, v_up, -(xx + yy)), (xx, xy, 0.0, xy, yy, 0.0, u_up, v_up, 0.0)
+        angle = _angle(number[j], to_x[j], to_y[j], x, y, frequency[j], t, phase[j])
+        each = _component_in_space(sign, speed[j], frequency[j], number[j], to_x[j], to_y[j], z, angle)
+        u += each[0]
+        v += each[1]
+        w += each[2]
+        u_rate += each[3]
+        v_rate += each[4]
+        w_rate += each[5]
+        u_up += each[6]
+        v_up += each[7]
+        xx += each[8]
+        xy += each[9]
+        yy += each[10]
+    return (u, v, w), (u_rate, v_rate, w_rate), (u_up, v_up, xx + yy), (-xx, -xy, 0.0, -xy, -yy, 0.0, u_up, v_up, 0.0)
 
 
 @kernel
@@ -269,7 +301,7 @@ def _calm(waves, parts, position, t):
 
 @kernel
 def _family(sign, waves, position, z, t):
-    count = _felt(waves, z)
+    count = count_until(waves[NUMBER], FELT / -z) if z < 0.0 else waves.shape[1]
     if len(position) == 2:
         return _sums_in_plane(sign, waves, count, position[0], 0.0, z, t)
     return _sums_in_space(sign, waves, count, position[0], position[1], z, t)

@@ -17,9 +17,9 @@ from numba.extending import lower_builtin, overload
 from cable_model.kernels import jit
 
 
-def kernel(function, fastmath=False):
+def kernel(function, fastmath=False, forceinline=False):
     """Compile `function` for other kernels only, without a cache: no code for another machine can get into the export."""
-    return njit(**jit.inner_options(), fastmath=fastmath)(function)
+    return njit(**jit.inner_options(), fastmath=fastmath, forceinline=forceinline)(function)
 
 
 def by_presence(absent, present):
