@@ -230,7 +230,7 @@ class Top:
     )
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
-        "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()
+        "s, m, m, m", "table of [time, x, y, z], displacements that add to the position; joined by a cubic spline", default=()
     )
 
 
@@ -241,7 +241,7 @@ class Lower:
     position: tuple[float, float, float] = quantity("m", "position about which a driven lower end moves", default=(0.0, 0.0, 0.0))
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
-        "s, m, m, m", "rows of time and added displacement in x, y, z, joined by a cubic spline", default=()
+        "s, m, m, m", "table of [time, x, y, z], displacements that add to the position; joined by a cubic spline", default=()
     )
 
 

@@ -95,8 +95,7 @@ def _number(word: str) -> float | None:
 
 def _check_names(name: str, where: str, line: str) -> None:
     """Raises the ParameterError of a first row that names other columns than the table's, or other units, in brackets."""
-    listed = re.search(r"\[(.*?)\]", field_of(name).metadata["description"])
-    wanted = listed[1].split(", ") if listed else []
+    wanted = re.findall(r"\[(.*?)\]", field_of(name).metadata["description"])[0].split(", ")
     units = field_of(name).metadata["unit"].split(", ")
     separator = next((mark for mark in ";," if mark in line), None)
     for k, (title, right) in enumerate(itertools.zip_longest(line.split(separator), wanted)):

@@ -1,12 +1,16 @@
 """Tables of a scene in files of their own: CSV, and currents over time and depth as netCDF."""
 
+import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
 
 from cable_model import load
 from cable_model.errors import ParameterError
+from cable_model.parameters import holder_of
+from cable_model.table_files import _columns
 
 SCENE = """
 [cable]
@@ -80,6 +84,19 @@ def test_a_file_that_is_no_table_is_one_clear_error(tmp_path, text, told):
     with pytest.raises(ParameterError) as error:
         load(path)
     assert str(error.value).startswith(told.format(tmp_path / "flow.csv"))
+
+
+def test_every_table_that_may_be_a_file_says_what_its_columns_are_called():
+    """As the first row of a file may call them: as many names as there are columns, and a unit for each."""
+    found = []
+    for part in ("top", "lower", "winch", "cable", "current", "waves"):
+        for field in dataclasses.fields(holder_of(f"{part}.x")):
+            count = _columns(f"{part}.{field.name}")
+            if count:
+                found.append(f"{part}.{field.name}")
+                assert len(re.findall(r"\[(.*?)\]", field.metadata["description"])[0].split(", ")) == count, found[-1]
+                assert len(field.metadata["unit"].split(", ")) == count, found[-1]
+    assert {"top.table", "lower.table", "winch.speeds", "current.levels", "current.table", "waves.table", "waves.record"} < set(found)
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path):

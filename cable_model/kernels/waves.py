@@ -319,7 +319,7 @@ def _over_bottom(finite_depth, waves, position, z, t):
     depth = waves[DEPTH, 0]
     if depth <= 0.0:
         return velocity, acceleration, up, gradient
-    v, a, u, g = _family(-1.0, waves, position, -(z + 2.0 * depth), t)
+    v, a, u, g = _family(-1.0, waves, position, min(-(z + 2.0 * depth), 0.0), t)
     return add(velocity, v), add(acceleration, a), add(up, u), add_matrix(gradient, g)
 
 
