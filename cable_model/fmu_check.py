@@ -18,6 +18,7 @@ from cable_model.errors import ParameterError, SolverError, unknown
 from cable_model.motion import MotionLike, PrescribedMotion
 from cable_model.signals import INPUTS, OUTPUTS
 
+_OF_LOWER_END, _OF_CURRENT = INPUTS[10:19], INPUTS[19:]
 RESULTS = (*OUTPUTS, "solver.cpu_time")
 WARNING, ERROR = 1, 3  # status of what an FMU logs
 
@@ -112,7 +113,7 @@ def simulate_fmu(
     parameters: Mapping[str, object] | None = None,
     told: Callable[[str], None] | None = None,
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 19); returns columns and table as a library run has.
+    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 21); returns columns and table as a library run has.
 
     The inputs of a communication step are those at its start, as FMI has it, or with top.inputs_at = 1 those at its end.  `told` gets the
     warnings that the FMU logs.  Raises ParameterError for what is no FMU of ours, SolverError for a call that fails.
@@ -137,7 +138,7 @@ def simulate_fmu(
 
 
 def sampled_motion(motion: PrescribedMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Output times of a run and events of the motion between them, and the inputs there, (n, 19): a host must not step over an event."""
+    """Output times of a run and events of the motion between them, and the inputs there, (n, 21): a host must not step over an event."""
     times = [0.0]
     for output in output_steps(duration, step):
         near = ROUNDING * output.length
@@ -162,10 +163,12 @@ def coarsened(table: np.ndarray, parts: int) -> np.ndarray:
 
 
 def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) and inputs (n, 19) of a table; one without those of the lower end has none that is driven."""
+    """Times (n,) and inputs (n, 21) of a table; without those of the lower end none is driven, without a current none is added."""
     times = times_of(str(path), columns, table)
-    driven = any(name in columns for name in INPUTS[10:])
-    lacking = [name for name in (INPUTS if driven else INPUTS[:10]) if name not in columns]
+    asked: tuple[str, ...] = INPUTS[:10]
+    for group in (_OF_LOWER_END, _OF_CURRENT):
+        asked += group if any(name in columns for name in group) else ()
+    lacking = [name for name in asked if name not in columns]
     if lacking:
         raise ParameterError(f"{path}: has no column {lacking[0]}. Give --scene for the motion.")
     still = np.zeros(len(times))
@@ -173,14 +176,14 @@ def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> t
 
 
 def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
-    """The motion between the rows of a run: quintics through position, velocity and acceleration, the winch's speed linear."""
+    """The motion between the rows of a run: quintics through position, velocity and acceleration; the winch's speed and currents linear."""
     from scipy.interpolate import BPoly
 
-    paths = [BPoly.from_derivatives(times, rows.reshape(-1, 3, 3)) for rows in (inputs[:, :9], inputs[:, 10:])]
+    paths = [BPoly.from_derivatives(times, rows.reshape(-1, 3, 3)) for rows in (inputs[:, :9], inputs[:, 10:19])]
     top, lower = ((path, path.derivative(1), path.derivative(2)) for path in paths)
 
     def motion(time: float, side: int = 1) -> np.ndarray:
-        speed = [np.interp(time, times, inputs[:, 9])]
-        return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower)])
+        speed, *currents = ([np.interp(time, times, inputs[:, k])] for k in (9, 19, 20))
+        return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower), *currents])
 
     return motion

@@ -80,9 +80,9 @@ def scenes(draw: st.DrawFn) -> tuple[str, Scene]:
 
 
 def is_calm(scene: Scene) -> bool:
-    """Whether nothing but the top moves the cable: no waves, and no end that is let go."""
-    waves = scene.waves.amplitude or scene.waves.spectrum != "none" or scene.waves.table
-    return not (waves or scene.lower_end.released or scene.lower_end.release_force)
+    """Whether nothing but the top moves the cable: no waves, no current that changes, and no end that is let go."""
+    waves = scene.waves.amplitude or scene.waves.spectrum != "none" or scene.waves.table or scene.waves.record
+    return not (waves or scene.current.table or scene.current.ramp_time or scene.lower_end.released or scene.lower_end.release_force)
 
 
 def unit_factor(unit: str, mass: float, length: float, time: float) -> float:

@@ -54,7 +54,7 @@ def test_mirrored_motion_gives_the_mirrored_answer():
     run = drive(make(BASE), every(0.02, 2.0), SWAY)
     mirrored = drive(make(BASE), every(0.02, 2.0), swing((-0.02, 0.0, 0.01), SECOND_MODE, phase=(0.0, 0.0, 0.5)))
     for name in OUTPUTS:
-        sign = -1.0 if name in ("top.force_x", "top.force_mean_x", "top.force_next_x", "body.x", "body.vx") else 1.0
+        sign = -1.0 if name in ("top.force_x", "top.force_mean_x", "top.force_next_x", "body.x", "body.vx", "seabed.touchdown_x") else 1.0
         assert np.array_equal(mirrored[name] * sign, run[name]), name
 
 
