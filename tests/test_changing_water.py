@@ -32,9 +32,9 @@ LINE = {  # a wire with a sphere, all of it deep
 BY_INPUT = {"water__current_input": True}
 DEEP = still((0.0, 0.0, -20.0))
 BOTH = pytest.mark.parametrize("model", [CableChain, TowCable])
-WAY = [  # model, and what makes it another grid or dimension
+WAY = [  # model, and what makes it another grid or dimension; numba compiles the box grid for each set of parts: in the long run
     pytest.param("chain", {}, id="staggered"),
-    pytest.param("chain", {"solver__grid": "box"}, id="box"),
+    pytest.param("chain", {"solver__grid": "box"}, id="box", marks=pytest.mark.long),
     pytest.param("chain", {"solver__space": True}, id="chain in space"),
     pytest.param("tow", {}, id="tow"),
     pytest.param("tow", {"solver__space": True}, id="tow in space"),
@@ -136,7 +136,11 @@ def test_a_neutral_line_in_a_current_that_changes_is_one_that_is_carried_the_oth
         assert runs[0][name] == pytest.approx(runs[1][name], abs=3e-4 * size), name
 
 
-@pytest.mark.parametrize(("model", "way"), WAY)
+OF_TABLE = [*WAY[:2], pytest.param("chain", {"solver__space": True}, id="chain in space", marks=pytest.mark.long), WAY[3],
+            pytest.param("tow", {"solver__space": True}, id="tow in space", marks=pytest.mark.long)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "way"), OF_TABLE)  # a table is in no shipped object code
 def test_a_table_that_changes_linearly_is_the_current_that_inputs_change_linearly(model, way):
     aside = math.pi / 3.0 if "solver__space" in way else 0.0
     rows = [[0.0, 0.0, 0.2, aside], [10.0, 0.0, 1.2, aside]]
