@@ -122,6 +122,7 @@ EFFECTS = (
             "waves.amplitude": 0.0, "waves.period": 10.0, "waves.direction": 0.0, "waves.phase": 0.0, "waves.spectrum": "none",
             "waves.significant_height": 0.0, "waves.peak_period": 10.0, "waves.peakedness": 3.3, "waves.components": 60, "waves.seed": 1,
             "waves.spreading_exponent": 0.0, "waves.table": (), "waves.record": (), "waves.ramp_time": 0.0,
+            "waves.surface": "held", "water.depth": 0.0,
         },
         costs={
             "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},

@@ -80,6 +80,10 @@ RULES = (
         (Chosen("waves.surface", "wheeler") | Chosen("waves.surface", "cut")) & ~SEA, "waves.surface", "held without waves",
         "Give waves, or remove it.",
     ),
+    Rule(
+        Given("water.depth") & ~SEA, "water.depth", "0 without waves, which alone feel it",
+        "Give waves, or remove it: the cable's bottom is [seabed].",
+    ),
     Rule(Given("waves.ramp_time") & ~SEA, "waves.ramp_time", "0 without waves", "Give waves, or remove it."),
     Rule(
         Given("current.ramp_time") & ~(Given("current.speed") | LEVELS | CHANGING), "current.ramp_time", "0 without a current",

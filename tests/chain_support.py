@@ -28,13 +28,18 @@ WIRE = {  # 200 m of 25 mm steel wire with a 1000 kg body in still water, which 
 }
 
 
-def make(base: dict, **changes: object) -> CableChain:
-    """A chain from a nested dictionary; changes are by name, `cable__length=2.0`."""
+def scene_of(base: dict, **changes: object) -> scene.Scene:
+    """A scene from a nested dictionary; changes are by name, `cable__length=2.0`."""
     tables = {part: dict(values) for part, values in base.items()}
     for name, value in changes.items():
         part, _, field = name.partition("__")
         tables.setdefault(part, {})[field] = value
-    return CableChain(scene.from_dict(tables))
+    return scene.from_dict(tables)
+
+
+def make(base: dict, **changes: object) -> CableChain:
+    """A chain from a nested dictionary, likewise."""
+    return CableChain(scene_of(base, **changes))
 
 
 def still(position: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Motion:

@@ -152,6 +152,33 @@ def started(fmu: Fmu, values: dict[str, Any] | None = None, steps: int = 5) -> I
     return instance
 
 
+def goes_back_before_initialization(fmu: Fmu) -> None:
+    """A state from before the initialization holds the parameters of then, whatever was set since."""
+    instance = fmu.instance()
+    instance.set({"cable.length": 40.0})
+    state = instance.slave.getFMUstate()
+    instance.initialize(None, sway(0.0))
+    first = instance.run(5)
+    instance.slave.setFMUstate(state)
+    instance.set({"cable.length": 41.0, "cable.diameter": 0.02})
+    instance.slave.setFMUstate(state)
+    instance.initialize(None, sway(0.0))
+    assert np.array_equal(instance.run(5), first)
+    instance.close()
+
+
+def refuses_an_input(fmu: Fmu, name: str, text: str) -> None:
+    """One of the inputs at a first step, in the words of a text, where no parameter asks for it."""
+    given = np.zeros(len(INPUTS))
+    instance = fmu.instance()
+    instance.initialize({}, given)
+    given[INPUTS.index(name)] = 0.1
+    with pytest.raises(FMICallException):
+        instance.step(0.0, 0.1, given)
+    assert text in instance.errors[-1]
+    instance.close()
+
+
 def goes_on_from_a_state_saved_in_a_sliver(fmu: Fmu) -> None:
     """Bit for bit, in the same instance and in another: the time that waits for the next internal step is part of the state."""
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from driven_support import SWAYING
-from fmu_support import NO_BODY, FMICallException, Fmu, assert_same
+from fmu_support import NO_BODY, FMICallException, Fmu, assert_same, refuses_an_input
 from native_support import FLAVOURS
 
 from cable_model import CableChain
@@ -48,14 +48,7 @@ def test_every_fmu_gives_what_the_library_gives_and_restores_it(chain_fmu):
 
 
 def test_an_fmu_that_drives_none_refuses_its_inputs_and_one_that_does_its_place(chain_fmu):
-    given = np.zeros(19)
-    instance = chain_fmu.instance()
-    instance.initialize({}, given)
-    given[INPUTS.index("lower.vx")] = 0.1
-    with pytest.raises(FMICallException):
-        instance.step(0.0, 0.1, given)
-    assert "the inputs lower.* say where the lower end is, but they do not drive it" in instance.errors[-1]
-    instance.close()
+    refuses_an_input(chain_fmu, "lower.vx", "the inputs lower.* say where the lower end is, but they do not drive it")
     instance = chain_fmu.instance()
     with pytest.raises(FMICallException):
         instance.initialize({**VALUES, "lower_end.x": 5.0}, SWAYING(0.0))

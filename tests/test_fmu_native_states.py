@@ -5,7 +5,7 @@ from __future__ import annotations
 import numba
 import numpy as np
 import pytest
-from fmu_support import FMICallException, Fmu, goes_on_from_a_state_saved_in_a_sliver, started, sway
+from fmu_support import FMICallException, Fmu, goes_back_before_initialization, goes_on_from_a_state_saved_in_a_sliver, started, sway
 from native_support import ANCHORED, KEYS, SEABED, only_where_they_run
 
 from cable_model.models import MODELS
@@ -67,15 +67,7 @@ def test_a_state_holds_the_inputs_and_the_outputs(fmu: Fmu):
 
 
 def test_a_state_from_before_initialization_restores_that(fmu: Fmu):
-    instance = fmu.instance()
-    instance.set({"cable.length": 80.0})
-    state = instance.slave.getFMUstate()
-    instance.initialize(None, sway(0.0))
-    expected = instance.run(5)
-    instance.slave.setFMUstate(state)
-    instance.initialize(None, sway(0.0))
-    assert np.array_equal(instance.run(5), expected)
-    instance.close()
+    goes_back_before_initialization(fmu)
 
 
 def test_a_reset_instance_is_a_new_one(fmu: Fmu):

@@ -12,6 +12,7 @@ from fmu_support import (
     a_mooring_follows_the_top_during_initialization,
     assert_same,
     fresh,
+    goes_back_before_initialization,
     goes_on_from_a_state_saved_in_a_sliver,
     outputs_follow_what_is_set_during_initialization,
     sway,
@@ -199,17 +200,7 @@ def test_a_serialized_state_has_the_friction_of_a_cable_on_the_seabed(fmus: dict
 
 
 def test_a_state_from_before_initialization_takes_one_back_there(fmu: Fmu):
-    instance = fmu.instance()
-    instance.set({"cable.length": 40.0})
-    state = instance.slave.getFMUstate()
-    instance.initialize(None, sway(0.0))
-    first = instance.run(5)
-    instance.slave.setFMUstate(state)
-    instance.set({"cable.length": 41.0, "cable.diameter": 0.02})
-    instance.slave.setFMUstate(state)
-    instance.initialize(None, sway(0.0))
-    assert np.array_equal(instance.run(5), first)
-    instance.close()
+    goes_back_before_initialization(fmu)
 
 
 def test_the_state_holds_no_pickle_and_is_read_by_its_head(fmu: Fmu):

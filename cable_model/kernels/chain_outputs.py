@@ -109,7 +109,7 @@ def outputs(parts, p, state, work, out):
     tell_exchange(state, out)
     tell_whole(winding.length, state[header.PAID_OUT], out)
     grid.tell_extent(parts.box, parts, problem, view, top, out)
-    tell_elevation(parts.waves, parts.wave_ramp, top, state[header.TIME], out)
+    tell_elevation(parts.waves, parts, state, out)
     watch_outputs(parts, p, state, out, seen)
     along = dot(vector_at(parts, state, header.TOP + 3), t.top)
     if parts.driven is not None:

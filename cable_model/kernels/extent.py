@@ -5,6 +5,7 @@ The cable touches down, seen from its top, where the seabed carries half of its 
 
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.header import TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import body_weight, density_of
@@ -28,16 +29,29 @@ def tell_whole(length, paid_out, out):
 
 
 @kernel
-def _calm(waves, ramp, place, time, out):
+def _over_plane(space, waves, ramp, state):
+    return elevation(waves, ramp, (state[TOP], state[TOP + 2]), state[TIME])[0]
+
+
+@kernel
+def _over_space(space, waves, ramp, state):
+    return elevation(waves, ramp, (state[TOP], state[TOP + 1], state[TOP + 2]), state[TIME])[0]
+
+
+_over_top = by_presence(_over_plane, _over_space)
+
+
+@kernel
+def _calm(waves, parts, state, out):
     out[ELEVATION] = 0.0
 
 
 @kernel
-def _wavy(waves, ramp, place, time, out):
-    out[ELEVATION], _, _ = elevation(waves, ramp, place, time)
+def _wavy(waves, parts, state, out):
+    out[ELEVATION] = _over_top(parts.space, waves, parts.wave_ramp, state)
 
 
-tell_elevation = by_presence(_calm, _wavy)
+tell_elevation = by_presence(_calm, _wavy)  # of either model
 
 
 @kernel

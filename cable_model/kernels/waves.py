@@ -15,7 +15,6 @@ from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, mix, out
 # rows of a table: m, rad/s, 1/m, the direction's cosine and sine, and the sign of its cosine, which is the direction in the plane; rad, m,
 # and amplitude times frequency, over 1 - exp(-2 k depth), m/s
 AMPLITUDE, FREQUENCY, NUMBER, COSINE, SINE, SIGN, PHASE, DEPTH, SPEED = range(9)
-ROWS = 9
 TAPER = 0.05  # of the sum of the amplitudes: height above the surface within which cut waves fade out
 FELT = 20.0  # k |z| beyond which a component is not felt: 2e-9 of what it is at the surface
 # 2 pi in parts, of which the first times a whole number below 2^20 is exact

@@ -32,7 +32,7 @@ typedef struct {
     Core core;
     int variant;
     double numbers[N_NUMBERS], present[N_PARTS];
-    double level[3], wave[9];
+    double level[3], wave[OF_A_WAVE];
     int64_t n_state, n_work;
     double *state, *work;
     char active[1024];
@@ -173,7 +173,7 @@ static void fill_tables(Instance *m)
     const double *x = m->core.values, omega = 2.0 * 3.141592653589793 / x[WAVE_PERIOD];
     const double level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
     const double along = cos(x[WAVE_DIRECTION]);
-    const double wave[9] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], along, sin(x[WAVE_DIRECTION]), copysign(1.0, along),
+    const double wave[OF_A_WAVE] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], along, sin(x[WAVE_DIRECTION]), copysign(1.0, along),
                             x[WAVE_PHASE], 0.0, x[WAVE_AMPLITUDE] * omega};
     memset(m->level, 0, sizeof m->level);
     if (m->present[CURRENT] != 0.0)

@@ -175,16 +175,25 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     state_size, work_size, points = kernels.state_size, kernels.work_size, kernels.points
     ok, again = header.OK, host_trials.AGAIN
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
+    of_current, of_history, of_waves, of_curve, of_pieces, of_bodies = TABLES.values()
 
     def entry(
-        what, time, step, order, x, p, on, levels, n_levels, history, n_history, components, n_components, curve, n_rows, pieces, n_pieces,
+        what, time, step, order, x, p, on, levels, n_levels, history, n_history, sea, n_sea, curve, n_rows, pieces, n_pieces,
         bodies, n_bodies, y, n_y, w, n_w, out,
     ):  # fmt: skip
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
-        present, current, waves = carray(on, (n_parts,)), carray(levels, (n_levels, 3)), carray(components, (9, n_components))
-        over_time = carray(history, (n_history, 4))
-        laws, sections, on_line = carray(curve, (n_rows, 3)), carray(pieces, (n_pieces, 10)), carray(bodies, (n_bodies, 5))
+        present = carray(on, (n_parts,))
+        current, over_time, waves = (
+            carray(levels, (n_levels, of_current)),
+            carray(history, (n_history, of_history)),
+            carray(sea, (of_waves, n_sea)),
+        )
+        laws, sections, on_line = (
+            carray(curve, (n_rows, of_curve)),
+            carray(pieces, (n_pieces, of_pieces)),
+            carray(bodies, (n_bodies, of_bodies)),
+        )
         parts = parts_now(present, current, over_time, waves, laws, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:

@@ -19,7 +19,7 @@ from cable_model.lab.bench import CASES, scene_of
 from cable_model.lab.peers.deck import NotTranslated, refuse_untranslated
 from cable_model.models import MODELS
 from cable_model.parameters import field_of, value_of
-from cable_model.scene import Scene, from_dict, with_values
+from cable_model.scene import Scene, from_dict, load, with_values
 from cable_model.simulated import asked, effects, is_on, parts_of
 from cable_model.studies.settings import leave_out
 from fmu_src.interface import table as interface
@@ -240,3 +240,8 @@ def test_effects_that_need_one_another_are_off_together():
     assert isinstance(On("water") & Given("water.depth"), Both)
     assert Rules(interface(), from_dict(
         {"cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0}}), CHAIN).parts()["finite_depth"] is None  # fmt: skip
+
+
+def test_waves_are_left_out_with_all_that_is_said_of_them():
+    sea = {"waves.amplitude": 0.3, "waves.ramp_time": 20.0, "waves.surface": "wheeler", "water.depth": 400.0}
+    assert "waves" in leave_out(with_values(load("towed_body"), sea))
