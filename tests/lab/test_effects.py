@@ -233,9 +233,11 @@ def test_conditions_are_written_out_as_the_fewest_alternatives():
 
 def test_effects_that_need_one_another_are_off_together():
     cable = {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1.0, "diameter": 0.1}
-    calm = from_dict({"cable": cable, "water": {"depth": 20.0}})
-    assert not is_on(table.BY_NAME["finite_depth"], calm, CHAIN)
-    assert is_on(table.BY_NAME["finite_depth"], with_values(calm, {"waves.amplitude": 1.0}), CHAIN)
+    with pytest.raises(ParameterError, match=r"^water\.depth = 20 m: must be 0 without waves, which alone feel it\. "):
+        from_dict({"cable": cable, "water": {"depth": 20.0}})
+    wavy = from_dict({"cable": cable, "water": {"depth": 20.0}, "waves": {"amplitude": 1.0}})
+    assert is_on(table.BY_NAME["finite_depth"], wavy, CHAIN)
+    assert not is_on(table.BY_NAME["finite_depth"], with_values(wavy, {"water.depth": 0.0}), CHAIN)
     assert value_of(from_dict({"cable": cable}), "water.density") == 0.0
     assert isinstance(On("water") & Given("water.depth"), Both)
     assert Rules(interface(), from_dict(
