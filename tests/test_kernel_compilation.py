@@ -1,5 +1,6 @@
 """How kernels are compiled: numba's private options change no bit, and a version of numba that nobody tried gets none of them."""
 
+import gc
 import subprocess
 import sys
 import warnings
@@ -7,6 +8,7 @@ import warnings
 import numba
 import numpy as np
 import pytest
+from numba.core.codegen import JITCodeLibrary
 
 from cable_model.kernels import jit
 
@@ -79,3 +81,24 @@ def test_kernels_call_what_cuts_arrays() -> None:
         return cut(x)[0][1]
 
     assert jit.kernel(last)(np.array([3.0, 5.0, 7.0])) == 5.0
+
+
+@jit.kernel
+def _twice(x):
+    return 2.0 * x
+
+
+@jit.kernel
+def _four_times(x):
+    return _twice(_twice(x))
+
+
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT) or "pipeline_class" not in jit.inner_options(), reason="no inner kernels")
+def test_inner_kernels_keep_no_modules() -> None:
+    """In memory they take eight times what their bitcode does, and a process that compiles for many scenes runs out of it."""
+    assert _four_times(3.0) == 12.0
+    gc.collect()
+    kept = [each for each in gc.get_objects() if type(each) is JITCodeLibrary and each.name in ("_twice", "_four_times")]
+    inner = [each for each in kept if "_get_module_for_linking" in vars(each)]
+    assert inner and all(each._shared_module is None and each._final_module.closed for each in inner)
+    assert all("_twice" in str(each._get_module_for_linking()) for each in inner)

@@ -58,10 +58,22 @@ def options():
 
 
 def link(library):
-    """Link into the LLVM code of a numba library that of all that it calls."""
+    """Link into the LLVM code of a numba library that of all that it calls, and keep it as bitcode.
+
+    As a module, and the copy that is linked, it would take eight times the memory: a process that compiles for many scenes would run out.
+    """
+    import llvmlite.binding as llvm
+
     for called in dict.fromkeys(library._linking_libraries):
-        library._final_module.link_in(called._get_module_for_linking(), preserve=True)
+        module = called._get_module_for_linking()
+        library._final_module.link_in(module, preserve=module is called._shared_module)  # else it is a copy
     library._finalized = True
+    shared, own = library._get_module_for_linking(), library._final_module
+    code = shared.as_bitcode()
+    library._get_module_for_linking = lambda: llvm.parse_bitcode(code)
+    library._shared_module = None
+    for module in {id(shared): shared, id(own): own}.values():
+        module.close()
 
 
 def unrun(library, described, environment):
