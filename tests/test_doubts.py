@@ -100,7 +100,7 @@ def test_waves_and_cable_that_know_two_bottoms_are_told():
     assert text.startswith("water.depth = 50 m over a seabed at z = -80 m:")
     assert FORM.fullmatch(text)
     assert not list(before_the_run(with_values(scene, {"water.depth": 80.0})))
-    assert not list(before_the_run(with_values(scene, {"waves.amplitude": 0.0})))
+    assert not list(before_the_run(with_values(scene, {"waves.amplitude": 0.0, "water.depth": 0.0})))
 
 
 def test_the_forcing_of_a_sea_is_that_of_the_waves_which_move_water():
