@@ -23,8 +23,10 @@ class CableChain(Model):
 
     def arc_lengths(self) -> np.ndarray:
         columns = 2 if self.parts.sections is None else 3
-        cells = self.state[header.HEADER :][: columns * (self._node_count() - 1) : columns]  # the mesh comes first, see kernels.layout
-        return np.concatenate(([0.0], np.cumsum(cells)))
+        left = self._node_count() if self.parts.parting is None else int(self.state[header.NODES])
+        cells = self.state[header.HEADER :][: columns * (left - 1) : columns]  # the mesh comes first, see kernels.layout
+        gone = np.zeros(self._node_count() - left + 1)
+        return np.concatenate((gone, np.cumsum(cells)))
 
     def _just_in_time(self) -> Calls:
         """An anchored lower end that is let go at the start: statics with the anchor, then rates without it."""

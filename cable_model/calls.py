@@ -23,13 +23,13 @@ class Calls(Protocol):
     end_speed: float
 
     def start(self, time: float, inputs: np.ndarray) -> int:
-        """Static equilibrium at `time` between the ends that inputs (21,) place."""
+        """Static equilibrium at `time` between the ends that inputs (22,) place."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
-        """One communication step, inputs (21,) given at its start."""
+        """One communication step, inputs (22,) given at its start."""
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> int:
-        """One step, inputs (21,) known at both ends."""
+        """One step, inputs (22,) known at both ends."""
 
     def points(self, even: bool, at: np.ndarray) -> None:
         """Position (m) and tension (N) of points from the lower end to the top, (m, 4): evenly along the cable, or the nodes."""

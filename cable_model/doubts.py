@@ -202,6 +202,7 @@ SEEN = (
     "Check its motion, or seabed.level.",
     "ends of the cable = %.3g m apart at the start, of a length of %.4g m: it hangs in a fold. "
     "Connect lower.x, y and z, and give them start values.",
+    "cable parted at t = %.6g s: %.6g m of it are left, the rest has gone. Check cable.breaking_tension and [parting] where it should not.",
 )
 
 

@@ -27,7 +27,7 @@ class OutputStep(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """A call of Model.advance: start s, length s, and the inputs at both ends, (21,) each."""
+    """A call of Model.advance: start s, length s, and the inputs at both ends, (22,) each."""
 
     time: float
     length: float

@@ -45,6 +45,7 @@ class Effect:
     called: str = ""  # what `advise` calls it; "": as `words`
     costs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # cases of the cost table
     told_to_peers: bool = False  # whether every code that we are compared with simulates it, or its absence changes no physics
+    goes: bool = False  # with what is below the place where a cable parts
     inverse: bool = False  # `words` name what its absence leaves in
     missing: str = ""  # why this effect, and one that needs it, is off in a scene without its table
 
@@ -57,16 +58,16 @@ _CURVE = [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]
 
 EFFECTS = (
     Effect(
-        "body", "body", Given("body.mass"), ("body.mass",), told_to_peers=True,
+        "body", "body", Given("body.mass"), ("body.mass",), told_to_peers=True, goes=True,
         numbers=("body.mass", "body.volume", "body.drag_area", "body.added_mass"),
         costs={"body": {"body.mass": 0.1}},
     ),
     Effect(
-        "anchor", "anchored lower end", Given("lower_end.anchored") & ~On("released"), ("lower_end.anchored",), models=(CHAIN,),
+        "anchor", "anchored lower end", Given("lower_end.anchored") & ~On("released"), ("lower_end.anchored",), models=(CHAIN,), goes=True,
         numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
     ),
     Effect(
-        "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,),
+        "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,), goes=True,
         grids=(STAGGERED,), asked=Given("lower_end.driven"), numbers=("lower_end.driven",),
         costs={"lower end moved by inputs": {"lower_end.anchored": True, "lower_end.driven": True, "lower.position": [0.0, 0.0, -1.6]}},
     ),
@@ -221,6 +222,13 @@ EFFECTS = (
         table=tables.line_bodies, native="absent", costs={"a body on the cable": {"cable.body": [{"at": 0.875, "mass": 0.05}]}},
     ),
     Effect(
+        "parting", "parting", Given("cable.breaking_tension") | Given("parting.time") | Given("parting.by_input"),
+        ("parting.time", "parting.by_input", "cable.breaking_tension"), models=(CHAIN,), grids=(STAGGERED,),
+        numbers=("cable.breaking_tension", "parting.time", "parting.place", "parting.by_input"),
+        left_out={"cable.breaking_tension": 0.0, "parting.time": 0.0, "parting.place": 0.0, "parting.by_input": False},
+        costs={"a cable that may part": {"cable.breaking_tension": 1e9}},
+    ),
+    Effect(
         "cable_mass", "cable mass", Given("tow.cable_mass"), ("tow.cable_mass",), models=(TOW,), asked=~Given("tow.cable_mass"),
         parameters=("tow.cable_mass",),
     ),
@@ -268,6 +276,7 @@ INSTEAD = {"tow.added_mass_vertical": "body.added_mass"}  # what takes the place
 
 BY_NAME = {effect.name: effect for effect in EFFECTS}
 PARTS = tuple(effect.name for effect in EFFECTS if effect.part)
+GOING = tuple(effect.name for effect in EFFECTS if effect.goes)  # parts that a cable that has parted is without
 Parts: Any = parts_type(PARTS)  # what a problem has, see kernels.parts
 
 

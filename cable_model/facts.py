@@ -19,7 +19,7 @@ class Facts(NamedTuple):
 
 
 _OF_INPUTS = {"": ("m", "position of {}"), "v": ("m/s", "velocity of {}"), "a": ("m/s2", "acceleration of {}")}
-_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13], *INPUTS[19:]), (*INPUTS[3:6], *INPUTS[13:16]), ()
+_PLACES, _SPEEDS, _NONE = (*INPUTS[:3], *INPUTS[10:13], *INPUTS[19:21]), (*INPUTS[3:6], *INPUTS[13:16]), ()
 _DRIVEN = "(needs lower_end.driven)"
 # of an output: unit, text, size, and the inputs that its value at the end of initialization depends on, in one model or the other
 _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
@@ -90,6 +90,8 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     },
     "winch.paid_out": ("m", "cable that the winch has paid out since the start", 10.0, _NONE),
     "water.elevation": ("m", "height of the waves over still water at the top's place", 1.0, _PLACES),
+    "cable.parted": ("1", "0: the cable is whole, 1: a part has gone from its lower end up, 2: all of it has", 1.0, _NONE),
+    "cable.remaining_length": ("m", "unstretched length of cable below the top", 100.0, _NONE),
     "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
 }
 _OF_PROFILES = {  # one value a point of the cable
@@ -118,6 +120,8 @@ def facts_of(name: str) -> Facts:
 def _of_input(name: str) -> Facts:
     if name == "winch.speed":
         return Facts("m/s", "speed at which the winch pays cable out (needs winch.fitted)")
+    if name == "lower_end.let_go":
+        return Facts("", "whether the cable is cut at parting.place, from when it first turns true (needs parting.by_input)")
     if name.startswith("water."):
         return Facts("m/s", f"current that adds to the scene's, {name[-1]} (needs water.current_input)")
     end, _, key = name.partition(".")

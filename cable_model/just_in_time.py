@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import FASTEST_END, TOO_FAST
+from cable_model.effects import GOING
 from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
 from cable_model.kernels.jit import for_kernels
 from cable_model.kernels.path import COLUMNS, ROWS, fastest_end
@@ -15,12 +16,15 @@ from cable_model.signals import OUTPUTS
 
 
 class JustInTime:
-    """Calls of a module of kernels (`chain` or `tow_step`); `held` are the parts under which the cable hangs until it is let go."""
+    """Calls of a module of kernels (`chain` or `tow_step`); `held` are the parts under which the cable hangs until it is let go.
+
+    A cable that parts goes on with fewer: kernels for these are compiled when that happens.
+    """
 
     def __init__(self, kernels: ModuleType, order: int, parts: Any, numbers: np.ndarray, held: Any = None) -> None:
         self._kernels, self._order, self._parts, self._held = kernels, order, parts, held
         self._numbers = for_kernels(numbers)
-        self._driven = parts.driven is not None
+        self._left = parts._replace(**dict.fromkeys(GOING))
         self.state = np.zeros(kernels.state_size(parts, numbers))
         self.work = np.zeros(kernels.work_size(parts, numbers))
         self.outputs = np.zeros(len(OUTPUTS))
@@ -84,16 +88,22 @@ class JustInTime:
         self.end_speed = fastest_end(self._path, step)
         if self.end_speed > FASTEST_END:
             return TOO_FAST
-        status: int = self._kernels.advance(self._parts, self._numbers, time, step, self._path, self.state, self.work)
+        status: int = header.PARTING
+        while status == header.PARTING:
+            status = self._kernels.advance(self._now(), self._numbers, time, step, self._path, self.state, self.work)
         if status == header.OK:
             self.read_outputs()
-            exchange.end_exchange(self._driven, self.state, step, self.outputs)
+            exchange.end_exchange(self._parts.driven is not None, self.state, step, self.outputs)
         return status
+
+    def _now(self) -> Any:
+        """The parts that there are now, or after this call has begun."""
+        return self._left if self.state[header.PARTED] > 0.0 or self.state[header.PARTS_AT] > 0.0 else self._parts
 
     def points(self, even: bool, at: np.ndarray) -> None:
         told = np.zeros(len(OUTPUTS))
-        self._kernels.outputs(self._parts, self._numbers, self.state, self.work, told)
-        self._kernels.points(self._parts, self._numbers, self.state, self.work, told, even, at)
+        self._kernels.outputs(self._now(), self._numbers, self.state, self.work, told)
+        self._kernels.points(self._now(), self._numbers, self.state, self.work, told, even, at)
 
     def read_outputs(self) -> None:
-        self._kernels.outputs(self._parts, self._numbers, self.state, self.work, self.outputs)
+        self._kernels.outputs(self._now(), self._numbers, self.state, self.work, self.outputs)

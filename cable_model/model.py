@@ -18,7 +18,7 @@ from cable_model.signals import INPUTS, SHAPE_POINTS
 from cable_model.simulated import numbers_of, parts_of
 
 _UNITS_OF_AN_END = ("m",) * 3 + ("m/s",) * 3 + ("m/s2",) * 3
-UNITS = (*_UNITS_OF_AN_END, "m/s", *_UNITS_OF_AN_END, "m/s", "m/s")  # of the inputs
+UNITS = (*_UNITS_OF_AN_END, "m/s", *_UNITS_OF_AN_END, "m/s", "m/s", "")  # of the inputs
 _REASONS = {
     header.STEP_TOO_SMALL: "Newton's method found no solution even with steps a millionth of solver.time_step",
     header.NOT_FINITE: "the solution is not finite",
@@ -32,9 +32,12 @@ _REASONS = {
     header.TOO_MANY_STEPS: "a communication step would take more than a million internal steps",
     header.NOT_DRIVEN: "the inputs lower.* say where the lower end is, but they do not drive it",
     header.NO_STREAM: "the inputs water.current_x and y give a current, but are not asked for",
+    header.NOT_LET_GO: "the input lower_end.let_go is true, but is not asked for",
+    header.TOO_WEAK: "the tension at rest is more than the cable bears",
 }
 _SAID = (  # where no number says more
     header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS, header.NOT_DRIVEN, header.NO_STREAM,
+    header.NOT_LET_GO, header.TOO_WEAK,
 )  # fmt: skip
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother motion",
@@ -49,6 +52,8 @@ _REMEDIES = {
     header.OUT_OF_PLANE: "Keep top.y and lower.y constant and water.current_y at 0, or set solver.space = true",
     header.NOT_DRIVEN: "Leave all of them at 0, or set lower_end.anchored and lower_end.driven = true (chain only)",
     header.NO_STREAM: "Leave both at 0, or set water.current_input = true",
+    header.NOT_LET_GO: "Leave it false, or set parting.by_input = true (chain only)",
+    header.TOO_WEAK: "Check cable.breaking_tension (N), and weight and places of the ends",
 }
 
 
@@ -61,7 +66,7 @@ class Model:
 
     name = ""
     offered: ClassVar[Callable[[Model], Calls | None] | None] = None  # kernels for every model that is not given its own
-    _at_rest = np.zeros(12)  # the inputs beyond the top's, of a winch, a lower end and water that stand still
+    _at_rest = np.zeros(13)  # the inputs beyond the top's, of a winch, a lower end and water that stand still
 
     def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:
         """`precompiled` (else `offered`) offers kernels that are compiled already, or None where it has none: then numba compiles them."""
@@ -69,7 +74,7 @@ class Model:
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
-        self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 8])
+        self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 9])
         self._at_start: tuple[str, ...] = ()
         offered = precompiled or type(self).offered
         self._calls = (offered and offered(self)) or self._just_in_time()
@@ -97,7 +102,7 @@ class Model:
         return self._calls.work
 
     def initialize(self, inputs: np.ndarray, time: float = 0.0) -> None:
-        """Static equilibrium between the ends that `inputs` (21,) place; the last may be left out, see `complete`.
+        """Static equilibrium between the ends that `inputs` (22,) place; the last may be left out, see `complete`.
 
         Raises ParameterError where they do not go with the scene, SolverError where there is no equilibrium.
         """
@@ -126,7 +131,7 @@ class Model:
         """Refuse ends that do not go with the scene."""
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> None:
-        """One communication step from `time`, with inputs (21,) held as FMI holds them: their values at the start of the step.
+        """One communication step from `time`, with inputs (22,) held as FMI holds them: their values at the start of the step.
 
         The ends move on by extrapolation, see kernels.ends.predict; what they were off by at the start is removed smoothly.
         """
@@ -135,7 +140,7 @@ class Model:
         self._must(self._calls.step(float(time), step, inputs), time)
 
     def advance(self, time: float, step: float, start: np.ndarray, end: np.ndarray) -> None:
-        """One step with the inputs (21,) known at both ends of it, in the order of signals.INPUTS."""
+        """One step with the inputs (22,) known at both ends of it, in the order of signals.INPUTS."""
         step = self._positive(step)
         start, end = self.complete(start), self.complete(end)
         self._must(self._calls.advance(float(time), step, start, end), time)
@@ -193,9 +198,9 @@ class Model:
         return float(step)
 
     def complete(self, inputs: np.ndarray) -> np.ndarray:
-        """Inputs (21,), of which (9,), (10,) or (19,) will do: winch and lower end stand still, and no current is added."""
+        """Inputs (22,), of which (9,), (10,), (19,) or (21,) will do: winch and lower end stand still, no current is added, none lets go."""
         inputs = np.asarray(inputs, dtype=np.float64)
-        if inputs.shape in ((9,), (10,), (19,)):
+        if inputs.shape in ((9,), (10,), (19,), (21,)):
             inputs = np.concatenate([inputs, self._at_rest[len(inputs) - 9 :]])
         return self._finite(inputs)
 
@@ -203,8 +208,8 @@ class Model:
     def _finite(inputs: np.ndarray) -> np.ndarray:
         inputs = np.ascontiguousarray(inputs, dtype=np.float64)
         if inputs.shape != (len(INPUTS),):
-            given = "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current all 21."
-            raise refuse("inputs", inputs.shape, "", "(9,), (10,), (19,) or (21,)", given)
+            given = "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current 21, or all."
+            raise refuse("inputs", inputs.shape, "", "(9,), (10,), (19,), (21,) or (22,)", given)
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))
             raise refuse(INPUTS[first], float(inputs[first]), UNITS[first], "finite", "Check what is connected to this input.")

@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from cable_model.errors import refuse
 from cable_model.parameters import Lower, Motion, Top, Winch
 
-# (time, side) -> (21,), or the first 10 or 19 of them: position, velocity and acceleration of the top, winch speed, the same of the lower
+# (time, side) -> (22,), or the first 10 or 19 of them: position, velocity and acceleration of the top, winch speed, the same of the lower
 # end, and the current that is added
 MotionLike = Callable[[float, int], np.ndarray]
 
@@ -143,7 +143,7 @@ class PrescribedMotion:
         return min(end.longest_piece(time) for end in self._ends)
 
     def __call__(self, t: float, side: int = 1) -> np.ndarray:
-        """The inputs (21,) at a time, in the order of signals.INPUTS.
+        """The inputs (22,) at a time, in the order of signals.INPUTS.
 
         Where the motion jumps, `side` +1 takes the limit from after that time and -1 the one from before.
         """

@@ -31,6 +31,7 @@ class Section:
     volume_per_length: float = quantity(
         "m2", "displaced volume per length, as of a chain (-1 = that of the diameter)", default=-1.0, least=-1.0, gap=(-1.0, 0.0)
     )
+    breaking_tension: float = quantity("N", "tension at which the cable breaks (0 = never)", default=0.0, least=0.0)
 
     @property
     def displaced_area(self) -> float:
@@ -78,6 +79,17 @@ class LowerEnd:
     release_force: float = quantity("N", "force along x that holds the lower end aside until the start", default=0.0)
     released: bool = quantity("", "whether an anchored lower end is let go at the start", default=False)
     driven: bool = quantity("", "whether a held lower end moves as inputs say", default=False)
+
+
+@dataclass(frozen=True)
+class Parting:
+    """When the cable is cut: what is below has gone, with what held the lower end, or the body there."""
+
+    time: float = quantity("s", "time from the start at which the cable is cut (0 = never)", default=0.0, least=0.0)
+    place: float = quantity(
+        "m", "unstretched length below the place where it is cut; 0: the lower end is let go, or its body", default=0.0, least=0.0
+    )
+    by_input: bool = quantity("", "whether the input lower_end.let_go cuts it", default=False)
 
 
 @dataclass(frozen=True)

@@ -176,6 +176,15 @@ RULES = (
         "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
     ),
     Rule(
+        Given("parting.place") & ~(Given("parting.time") | Given("parting.by_input")), "parting.place", "0 where nothing cuts the cable",
+        "Give parting.time or set parting.by_input = true, or remove it.",
+    ),
+    Rule(
+        (Given("parting.time") | Given("parting.by_input")) & ~Given("parting.place") & ~Given("body.mass")
+        & (~Given("lower_end.anchored") | Given("lower_end.released")), "parting.place", "> 0 where the lower end is free",
+        "Give the place where the cable is cut.",
+    ),
+    Rule(
         Given("host.mass") & ~Given("top.motion_order"), "top.motion_order", ">= 1 with host.mass",
         "Give the host's velocities too, or set host.mass = 0.",
     ),
@@ -242,6 +251,7 @@ START_RULES = (
     ),
     StartRule(On("anchor") & ~On("driven") & ~SPACE, "lower_end.y", "top.y", TURN, equal=True, where=" in the plane"),
     StartRule(On("driven") & ~SPACE, "lower.y", "top.y", TURN, equal=True, where=" in the plane"),
+    StartRule(On("parting"), "cable.length", "parting.place", "Cut it at a place on the cable."),
 )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from cable_model.parameters import (
     Host,
     Lower,
     LowerEnd,
+    Parting,
     Run,
     Seabed,
     Solver,
@@ -50,6 +51,7 @@ class Scene:
     waves: Waves = field(default_factory=Waves)
     top: Top = field(default_factory=Top)
     lower: Lower = field(default_factory=Lower)
+    parting: Parting = field(default_factory=Parting)
     winch: Winch = field(default_factory=Winch)
     host: Host = field(default_factory=Host)
     tow: Tow = field(default_factory=Tow)

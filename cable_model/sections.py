@@ -23,7 +23,7 @@ def whole(sections: Sequence[Section]) -> dict[str, float]:
     """What a cable of these sections is on the whole, by the names of Section.
 
     Mass, weight, volume, drag and added mass per length are means, the stiffness stretches as all sections do in series; of diameter,
-    bending and damping it has the largest.
+    bending and damping it has the largest, of the tensions at which they break the least.
     """
     lengths = np.array([section.length for section in sections])
     length = float(lengths.sum())
@@ -44,6 +44,7 @@ def whole(sections: Sequence[Section]) -> dict[str, float]:
         "tangential_drag_coefficient": mean([section.tangential_drag_coefficient for section in sections] * wide),
         "added_mass_coefficient": mean([section.added_mass_coefficient for section in sections] * wide**2),
         "volume_per_length": mean([section.displaced_area for section in sections]),
+        "breaking_tension": min((section.breaking_tension for section in sections if section.breaking_tension > 0.0), default=0.0),
     }
 
 

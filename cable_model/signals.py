@@ -11,6 +11,7 @@ INPUTS = (
     "lower.vx", "lower.vy", "lower.vz",
     "lower.ax", "lower.ay", "lower.az",
     "water.current_x", "water.current_y",
+    "lower_end.let_go",
 )  # fmt: skip
 
 OUTPUTS = (
@@ -31,6 +32,7 @@ OUTPUTS = (
     "cable.bending_moment_max", "cable.suspended_length", "seabed.force_z",
     "seabed.touchdown_x", "seabed.touchdown_y", "seabed.touchdown_z",
     "winch.paid_out", "water.elevation",
+    "cable.parted", "cable.remaining_length",
 )  # fmt: skip
 
 SHAPE = tuple(f"shape.{of}[{i}]" for i in range(1, SHAPE_POINTS + 1) for of in ("x", "y", "z", "tension"))  # told where they are asked for

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Result:
-    """Time series of a run: `table` (rows, 1 + 21 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
+    """Time series of a run: `table` (rows, 1 + 22 + outputs) with the names in `columns`; `shapes` (rows, points, 3).
 
     `shapes` are positions of the nodes from the lower end to the top, m, `tensions` (rows, points) those there, N, and `arc_lengths`
     (rows, points) where they are on the unstretched cable, from the lower end, m; None where the result is not of a model.
@@ -76,7 +76,7 @@ class Result:
         """All of it as one dataset, with units, meanings, warnings and the scene.  Raises ParameterError where xarray is not installed.
 
         Series go over `time`, and by their names as in `columns`; profiles, where the result has them, over `time` and `arc_length`, by
-        those of facts.PROFILE.  Where a winch changes the lengths the second dimension is `point`, and `arc_length` goes over both.
+        those of facts.PROFILE.  Where a winch changes the lengths, or the cable parts, the second dimension is `point`, and `arc_length` goes over both.
         """
         from cable_model.result_files import dataset
 
@@ -178,6 +178,7 @@ def simulate(
     tensions: list[np.ndarray] = []
     arc_lengths: list[np.ndarray] = []
     impulse = np.zeros(len(_MEANS))
+    changing = scene.winch.fitted or model.parts.parting is not None  # the lengths of its cells
 
     def advance(time: float, length: float, first: np.ndarray, last: np.ndarray) -> None:
         model.advance(time, length, first, last)
@@ -191,7 +192,7 @@ def simulate(
         nodes = model.nodes()
         shapes.append(nodes[:, :3])
         tensions.append(nodes[:, 3])
-        if scene.winch.fitted or not arc_lengths:
+        if changing or not arc_lengths:
             arc_lengths.append(model.arc_lengths())
         if keep is not None:
             keep(row)
@@ -199,7 +200,7 @@ def simulate(
     def result() -> Result:
         told = (*model.warnings(), *under_a_given_motion(scene))
         pulls = np.array(tensions)
-        arcs = np.broadcast_to(np.array(arc_lengths), pulls.shape)  # without a winch one row serves all
+        arcs = np.broadcast_to(np.array(arc_lengths), pulls.shape)  # one row serves all where they do not change
         done = replace(scene, run=replace(scene.run, duration=duration, output_step=step))
         return Result(COLUMNS, np.array(rows), np.array(shapes), told, model.audit, pulls, arcs, done, type(model).__name__)
 

@@ -48,6 +48,7 @@ def sections(scene: Any) -> np.ndarray:
         [
             row.length, row.diameter, row.mass_per_length, row.axial_stiffness, row.bending_stiffness, row.axial_damping,
             row.normal_drag_coefficient, row.tangential_drag_coefficient, row.added_mass_coefficient, row.displaced_area,
+            row.breaking_tension,
         ]
         for row in pieces(scene.cable)[0]
     ])  # fmt: skip

@@ -38,6 +38,7 @@ GENERIC = {
 }
 
 EFFECTS = "effects.active"
+BOOLEAN_INPUTS = ("lower_end.let_go",)
 
 # What released FMUs have beyond their inputs, after which it comes in this order: value references never change.  What signals.OUTPUTS and
 # the table of effects have beyond it follows.  Parameters are named as in scenes, but for `wave`, which is the scene's [waves].
@@ -171,6 +172,8 @@ def _input(scene: Scene, name: str) -> Variable:
     end, _, axis = name.partition(".")
     start = getattr(scene, end).position["xyz".index(axis)] if axis in ("x", "y", "z") else 0.0
     facts = facts_of(name)
+    if name in BOOLEAN_INPUTS:
+        return Variable(name, "input", "discrete", "Boolean", "", facts.description, False)
     return Variable(name, "input", "continuous", "Real", facts.unit, facts.description, start, nominal=facts.size)
 
 

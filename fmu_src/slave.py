@@ -37,7 +37,7 @@ from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, s
 
 _PLACES = {row.name: vr for vr, row in enumerate(table())}
 _INPUTS = tuple(_PLACES[name] for name in INPUTS)
-_ARE_INPUTS = frozenset(_INPUTS)
+_ARE_INPUTS = frozenset(vr for vr in _INPUTS if table()[vr].kind == "Real")
 _OUTPUTS = tuple(_PLACES[name] for name in OUTPUTS)
 _SHAPE = tuple(_PLACES[name] for name in SHAPE)  # has values where it was asked for since the last step
 _IN_SHAPE = frozenset(_SHAPE)
@@ -150,7 +150,7 @@ class CableSlave(Fmi2Slave):
         if not math.isfinite(current_time):
             raise refuse("communication point", float(current_time), "s", "finite", "Give the time at which the step begins.")
         begun = clock.thread_time()
-        self._inputs[:] = [self._real[vr] for vr in _INPUTS]
+        self._inputs[:] = self._input_values()
         model = self._initialized
         self._experiment.check(current_time, Model._positive(step_size))
         try:
@@ -192,10 +192,14 @@ class CableSlave(Fmi2Slave):
             return
         self._model = None
         model = self._made(self._parameters())
-        model.initialize(np.array([self._real[vr] for vr in _INPUTS]), self._experiment.start)
+        model.initialize(np.array(self._input_values()), self._experiment.start)
         self._model = model
         self._keep_outputs(model)
         self._outdated = False
+
+    def _input_values(self) -> list[float]:
+        real, boolean = self._real, self._boolean
+        return [real[vr] if vr in real else float(boolean[vr]) for vr in _INPUTS]
 
     def _keep_outputs(self, model: Model) -> None:
         self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
@@ -332,7 +336,8 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def _get_fmu_state(self) -> bytes:
         parameters = np.array([float(value) for value in self._parameters().values()])
-        numbers = np.array([*self._experiment.numbers(), *(self._real[vr] for vr in _VALUES)])
+        known = self._boolean | self._real
+        numbers = np.array([*self._experiment.numbers(), *(float(known[vr]) for vr in _VALUES)])
         model = np.zeros(0) if self._model is None else self._model.state
         return pack(SavedState(self._phase, numbers, parameters, model), self._build())
 
@@ -347,9 +352,10 @@ class CableSlave(Fmi2Slave):
         self._experiment = Experiment.from_numbers(times.tolist())
         self._outdated = True
         self._forget_shape()
-        self._real |= dict(zip(_VALUES, reals.tolist(), strict=True)) | kept["Real"]
+        values = dict(zip(_VALUES, reals.tolist(), strict=True))
+        self._real |= self._of_kind(values, "Real") | kept["Real"]
         self._integer |= kept["Integer"]
-        self._boolean |= kept["Boolean"]
+        self._boolean |= self._of_kind(values, "Boolean") | kept["Boolean"]
         self._model = model
         self._doubts = 0 if model is None else model.doubts
 

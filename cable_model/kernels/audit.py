@@ -63,6 +63,16 @@ open_audit = by_presence(_no_account, _open)  # at the start, with the cable in 
 
 
 @kernel
+def _reopen(audit, parts, problem, view, state, top):
+    kinetic, potential, strained = stored(parts, problem, view.mesh, view.y, top)
+    state[START] += kinetic + potential + strained - state[STORED]
+    state[GAP] = 0.0
+
+
+reopen_audit = by_presence(_no_account, _reopen)  # where a cable has parted: the energy of what has gone counts as never there
+
+
+@kernel
 def forces_at_end(parts, problem, view, state, c, time, h, top, lower):
     """Forces as outputs would tell them at the end of the step of h just taken, where `top` is and `time`; before y1 is the state."""
     n = view.mesh.shape[0] + 1

@@ -3,10 +3,11 @@
 import math
 
 from cable_model.kernels import grid, header
-from cable_model.kernels.audit import count_step, open_audit
+from cable_model.kernels.audit import count_step, open_audit, reopen_audit
 from cable_model.kernels.build import build
 from cable_model.kernels.chain_ends import (
     Course,
+    accelerations_on,
     an_end_leaves_plane,
     closing_velocities,
     end_rates,
@@ -33,12 +34,13 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
+from cable_model.kernels.parting import breaks, drop, due, has_gone, left, load_at_start, note_event, open_parting, parts_now
 from cable_model.kernels.path import WINCH, Ends, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import sub
-from cable_model.kernels.watch import open_bottom
+from cable_model.kernels.watch import PARTS, note, open_bottom
 
 # what a model calls
 __all__ = ("advance", "initialize", "outputs", "points", "set_off", "settle", "state_size", "work_size")
@@ -47,6 +49,7 @@ LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
+SOME = 1e-300  # m: a doubt without numbers would be none
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
 
@@ -72,6 +75,7 @@ def settle(parts, p, time, state, work):
     if parts.space is None and state[header.STREAM + 1] != 0.0:
         state[header.ERROR_TIME] = time
         return header.OUT_OF_PLANE
+    open_parting(p, state)
     parts = in_water_now(parts, p, state)
     view = cut(parts, p, state, work)
     problem = build(parts, p, p[0].lower_end.release_force, 0.0)
@@ -109,6 +113,10 @@ def set_off(parts, p, time, state, work):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
     start_clock(state, time)
+    load_at_start(parts, problem, view, state, top)
+    if state[header.LOAD] >= 1.0:
+        state[header.ERROR_TIME] = time
+        return header.TOO_WEAK
     open_audit(parts.audit, parts, problem, view, state, top)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
@@ -236,10 +244,16 @@ def advance(parts, p, time, span, path, state, work):
     solver.tolerance 0: the fewest equal steps not longer than solver.time_step, cut where Newton's method fails.  Above 0: the
     truncation error of a step, as an acceleration, is kept below TOLERATED tolerance times that of the largest motion so far (at
     least LEAST_MOTION g, at most g); solver.time_step is then the longest step.
+
+    Where the cable parts within the step the status is PARTING, see parting.py: the rest is another call's, with what is left.
     """
     parts = in_water_now(parts, p, state)
+    if has_gone(parts.parting, state):
+        begin_exchange(state)
+        _go_on_alone(state, time, span, path, parts)
+        return header.OK
     view = cut(parts, p, state, work)
-    problem = build(parts, p, 0.0)
+    problem = left(parts.parting, build(parts, p, 0.0), p, state)
     refused = _winch_refused(parts.winch, path, problem.cable.length)
     if refused != header.OK:
         state[header.ERROR_TIME] = time
@@ -249,12 +263,35 @@ def advance(parts, p, time, span, path, state, work):
         return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    pending = state[header.PENDING]
+    total = pending + span
+    begins = parts_now(parts.parting, state)
+    event = due(parts.parting, p, problem, view, state, time, span)
+    if not begins and event.time > span and is_short(state, total, state[header.STEP]):
+        wait(state, span, path)
+        _go_on(parts, problem, view, state, time, span, path)
+        return header.OK
+    if span > MOST_STEPS * p[0].solver.time_step:
+        state[header.ERROR_TIME] = time
+        return header.TOO_MANY_STEPS
+    build_bridge(state, view.bridge)
+    course = Course(path, span, view.bridge, pending)
+    done = -pending
+    if begins:
+        done = state[header.PARTS_AFTER]
+        status = _part(parts.parting, parts, p, problem, view, state, work, course, time, done)
+        if status != header.OK or has_gone(parts.parting, state):
+            _go_on_alone(state, time, span, path, parts)
+            return status
+        view = cut(parts, p, state, work)
+        problem = left(parts.parting, build(parts, p, 0.0), p, state)
+        event = due(parts.parting, p, problem, view, state, time, span)
+    else:
+        begin_exchange(state)
     tolerance = p[0].solver.tolerance
     gravity = problem.cable.gravity
     longest = _natural_step(p, problem.cable)
     smallest = SMALLEST_STEP * p[0].solver.time_step
-    pending = state[header.PENDING]
-    total = pending + span
     base = equal_step(p[0].solver.time_step, state[header.STEP], pending, span)
     allowed = allowed_error(state, tolerance, gravity)
     h = base
@@ -264,25 +301,16 @@ def advance(parts, p, time, span, path, state, work):
         h = state[header.NEXT_STEP]
     if tolerance == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
         h = GROWTH * state[header.STEP]
-    if is_short(state, total, state[header.STEP]):
-        wait(state, span, path)
-        _go_on(parts, problem, view, state, time, span, path)
-        return header.OK
-    if span > MOST_STEPS * p[0].solver.time_step:
-        state[header.ERROR_TIME] = time
-        return header.TOO_MANY_STEPS
-    build_bridge(state, view.bridge)
-    begin_exchange(state)
-    course = Course(path, span, view.bridge, pending)
-    done = -pending
     trials = Trials(0.0, 0.0)
     steps = 0
-    while done < span:
+    until = min(span, event.time)
+    breaking = False
+    while done < until:
         steps += 1
         if steps > MOST_STEPS:
             state[header.ERROR_TIME] = time + done
             return header.TOO_MANY_STEPS
-        rest = span - done
+        rest = until - done
         tiny = TINY_STEP * (h if tolerance > 0.0 else longest)
         used = h
         if used >= rest * (1.0 - 1e-9):
@@ -323,6 +351,13 @@ def advance(parts, p, time, span, path, state, work):
             proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
         elif used < base:
             proposal = min(base, 2.0 * used) if status <= 8 else used
+        if not breaking:
+            broken = breaks(parts.parting, parts, problem, view, state, c, done, used, vector_at(parts, state, header.TOP))
+            if broken.time < until:
+                event, until, breaking = broken, broken.time, True
+                state[header.REJECTED] += 1.0
+                h = used
+                continue
         _accept(parts, problem, view, state, c, time, course, done, used, used < tiny)
         state[header.STEP] = used
         state[header.LAG_BEFORE] = state[header.LAG]
@@ -332,11 +367,61 @@ def advance(parts, p, time, span, path, state, work):
         state[header.STEPS] += 1.0
         state[header.NEWTON] += status
         h = proposal
-        done = span if used == rest else done + used
+        done = until if used == rest else done + used
+    if event.time <= span:
+        note_event(state, event, breaking)
+        return header.PARTING
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
     state[header.PENDING] = 0.0
     _go_on(parts, problem, view, state, time, span, path)
     return header.OK
+
+
+@kernel
+def _go_on_alone(state, time, span, path, parts):
+    """The same for the ends of a cable of which nothing is left."""
+    paid_out, speed, acceleration = arrival(path, WINCH)
+    state[header.PAID_OUT] = paid_out
+    state[header.WINCH_SPEED] = speed
+    state[header.WINCH_ACCELERATION] = acceleration
+    state[header.PENDING] = 0.0
+    state[header.TIME] = time + span
+    move_ends(parts, path, state)
+
+
+@kernel
+def _stays(parting, parts, p, problem, view, state, work, course, time, done):
+    return header.OK
+
+
+@kernel
+def _part_now(parting, parts, p, problem, view, state, work, course, time, done):
+    """The cable parts `done` after the communication step began: what is left of it, and rates that go with its new lower end."""
+    _winding(parts.winch, parts, problem, view, state, course, done)
+    anything = drop(view, state)
+    note(state, PARTS, time + done, max(state[header.MESH_LENGTH], SOME))
+    if not anything:
+        return header.OK
+    parts = in_water_at(parts, course, time, done)
+    view = cut(parts, p, state, work)
+    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    winding = _winding(parts.winch, parts, problem, view, state, course, done)
+    places, velocities = ends_on(parts, course, done)
+    accelerations = accelerations_on(parts, course, done)
+    status = grid.starting_rates(parts.box, parts, problem, p, view, places.top, velocities, accelerations, winding, time + done)
+    if status != header.OK:
+        state[header.ERROR_TIME] = time + done
+        return status
+    size = view.ydd.size
+    change = view.ydd.reshape(size)
+    for i in range(size):
+        change[i] = 0.0
+    load_at_start(parts, problem, view, state, places.top)
+    reopen_audit(parts.audit, parts, problem, view, state, places.top)
+    return header.OK
+
+
+_part = by_presence(_stays, _part_now)
 
 
 @kernel

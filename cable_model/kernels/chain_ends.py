@@ -55,6 +55,20 @@ def ends_on(parts, course, time):
 
 
 @kernel
+def _rate_on(parts, course, which, time):
+    _, _, x = followed(course.path, course.span, course.bridge, course.pending, time, which.column)
+    _, _, y = followed(course.path, course.span, course.bridge, course.pending, time, which.column + 1)
+    _, _, z = followed(course.path, course.span, course.bridge, course.pending, time, which.column + 2)
+    return axes(parts.space, x, y, z)
+
+
+@kernel
+def accelerations_on(parts, course, time):
+    """Accelerations of the top, and of a lower end that has gone: 0."""
+    return Ends(_rate_on(parts, course, UPPER_END, time), axes(parts.space, 0.0, 0.0, 0.0))
+
+
+@kernel
 def _in_stream(stream, parts, course, began, done):
     _, x, rate_x = followed(course.path, course.span, course.bridge, course.pending, done, CARRIED)
     _, y, rate_y = followed(course.path, course.span, course.bridge, course.pending, done, CARRIED + 1)

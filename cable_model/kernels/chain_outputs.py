@@ -6,11 +6,12 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
-from cable_model.kernels.extent import tell_elevation, tell_whole
+from cable_model.kernels.extent import PARTED, tell_elevation, tell_whole
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.layout import cut, led_on, vector_at
+from cable_model.kernels.parting import has_gone, left
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import axpy, dot, mix
@@ -49,12 +50,17 @@ def points(parts, p, state, work, told, even, out):
     `even`: they are at equal unstretched lengths from one another; else they are the nodes.  `told` are the outputs now, which have the
     tensions at the ends.
     """
-    parts = in_water_now(parts, p, state)
-    problem = build(parts, p, 0.0)
-    view = _now(parts, p, state, work)
     at = vector_at(parts, state, header.TOP)
+    if has_gone(parts.parting, state):
+        for i in range(out.shape[0]):
+            _tell_point(parts, state, at, 0.0, out[i])
+        return
+    parts = in_water_now(parts, p, state)
+    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    view = _now(parts, p, state, work)
     grid.ready_tensions(parts.box, parts, problem, view, _tensions_ahead(p, state), at)
     m, cells = out.shape[0], view.mesh.shape[0]
+    first = 0 if even else m - 1 - cells  # of the nodes that are left: those below have gone, and are told where the cable ends
     length = 0.0
     for i in range(cells):
         length += view.mesh[i, 0]
@@ -71,8 +77,9 @@ def points(parts, p, state, work, told, even, out):
             _tell_point(parts, state, mix(1.0 - share, lower, share, at), (1.0 - share) * below + share * tension, out[row])
         at, tension = lower, below
         if not even:
-            _tell_point(parts, state, at, tension, out[i])
-    _tell_point(parts, state, at, tension, out[0])
+            _tell_point(parts, state, at, tension, out[first + i])
+    for i in range(first + 1):
+        _tell_point(parts, state, at, tension, out[i])
 
 
 @kernel
@@ -84,8 +91,11 @@ def _tell_point(parts, state, at, tension, row):
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
+    if has_gone(parts.parting, state):
+        _tell_nothing(parts, state, out)
+        return
     parts = in_water_now(parts, p, state)
-    problem = build(parts, p, 0.0)
+    problem = left(parts.parting, build(parts, p, 0.0), p, state)
     view = _now(parts, p, state, work)
     ahead = _tensions_ahead(p, state)
     top = vector_at(parts, state, header.TOP)
@@ -102,12 +112,12 @@ def outputs(parts, p, state, work, out):
     out[12] = max(largest, tension.top, tension.lower) if parts.driven is not None else max(largest, tension.top)
     out[13] = smallest
     out[14] = slack
-    out[15] = state[header.STEPS]
-    out[16] = state[header.NEWTON]
-    out[17] = state[header.REJECTED]
+    _tell_counts(state, out)
     _tell_lower_end(parts.driven, parts, force.lower, t.lower, out)
     tell_exchange(state, out)
     tell_whole(winding.length, state[header.PAID_OUT], out)
+    if parts.parting is not None:
+        out[PARTED] = state[header.PARTED]
     grid.tell_extent(parts.box, parts, problem, view, top, out)
     tell_elevation(parts.waves, parts, state, out)
     watch_outputs(parts, p, state, out, seen)
@@ -115,6 +125,28 @@ def outputs(parts, p, state, work, out):
     if parts.driven is not None:
         along -= dot(vector_at(parts, state, header.LOWER + 3), t.lower)
     watch_set_off(parts, p, state, along, out)
+
+
+@kernel
+def _tell_counts(state, out):
+    out[15] = state[header.STEPS]
+    out[16] = state[header.NEWTON]
+    out[17] = state[header.REJECTED]
+
+
+@kernel
+def _tell_nothing(parts, state, out):
+    """The outputs of a cable of which nothing is left: its lower end is its top, which bears nothing."""
+    for k in range(out.shape[0]):
+        out[k] = 0.0
+    for k in range(3):
+        out[5 + k] = state[header.TOP + k]
+        out[8 + k] = state[header.TOP + 3 + k]
+    _tell_counts(state, out)
+    tell_exchange(state, out)
+    tell_whole(0.0, state[header.PAID_OUT], out)
+    out[PARTED] = state[header.PARTED]
+    tell_elevation(parts.waves, parts, state, out)
 
 
 @kernel
@@ -126,6 +158,9 @@ def _declination(t):
 @kernel
 def _tell_lower_end(driven, parts, force, t, out):
     if driven is None:
+        for k in range(3):
+            out[LOWER_FORCES + k] = 0.0
+        out[LOWER_MEANS + 3] = 0.0
         return
     _spread(parts.space, force, 0.0, out, LOWER_FORCES)
     out[LOWER_MEANS + 3] = _declination(t)

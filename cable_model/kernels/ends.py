@@ -4,12 +4,14 @@ import math
 
 from cable_model.kernels.header import (
     CLOSING,
+    CUT,
     ERROR_TIME,
     INPUT_STEPS,
     INPUTS,
     KEPT_STREAM,
     NO_STREAM,
     NOT_DRIVEN,
+    NOT_LET_GO,
     OK,
     PAID_OUT,
     SHORTEST,
@@ -22,6 +24,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import (
     CARRIED,
     COLUMNS,
+    GIVEN_CUT,
     GIVEN_STREAM,
     LOWER_END,
     UPPER_END,
@@ -110,7 +113,7 @@ def _smoothness(state, inputs, which, first, newest, low, factor, h):
 
 @kernel
 def predict(order, state, inputs, which, newest, h, end):
-    """Where an end will be a time h after the inputs (21,), into `end` (9,); 0: where it is, what is not given from what is.
+    """Where an end will be a time h after the inputs (22,), into `end` (9,); 0: where it is, what is not given from what is.
 
     order: 0 only positions are given, 1 positions and velocities, 2 accelerations too.  The highest that is given is extrapolated by
     the polynomial through its last values (Newton's divided differences; cubic for positions, parabola for velocities, line for
@@ -153,22 +156,32 @@ def _any_of(inputs, first, count):
 
 @kernel
 def refuse_inputs(p, time, state, inputs):
-    """A status: NOT_DRIVEN or NO_STREAM where inputs (21,) move a lower end, or water, that nothing drives; its columns of paths stay 0."""
+    """A status: NOT_DRIVEN, NO_STREAM or NOT_LET_GO where inputs (22,) do what is not asked for; columns of paths that are not stay 0."""
     status = OK
     if p[0].lower_end.driven == 0.0 and _any_of(inputs, LOWER_END.given, 9):
         status = NOT_DRIVEN
     elif p[0].water.current_input == 0.0 and _any_of(inputs, GIVEN_STREAM, 2):
         status = NO_STREAM
+    elif p[0].parting.by_input == 0.0 and inputs[GIVEN_CUT] != 0.0:
+        status = NOT_LET_GO
     if status != OK:
         state[ERROR_TIME] = time
     return status
 
 
 @kernel
+def _hear(state, inputs, at_end):
+    """What the input lower_end.let_go of a communication step says, which is given at its start or at its end."""
+    if inputs[GIVEN_CUT] != 0.0 and state[CUT] == 0.0:
+        state[CUT] = 2.0 if at_end else 1.0
+
+
+@kernel
 def follow_inputs(order, p, state, inputs, h, end, path):
-    """The path over a step of h that inputs (21,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
+    """The path over a step of h that inputs (22,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
     driven = p[0].lower_end.driven > 0.0
     streams = p[0].water.current_input > 0.0
+    _hear(state, inputs, p[0].top.inputs_at > 0.0)
     if p[0].top.inputs_at > 0.0:
         _arrive(driven, streams, order, state, inputs, h, end, path)
     else:
@@ -177,7 +190,8 @@ def follow_inputs(order, p, state, inputs, h, end, path):
 
 @kernel
 def follow_ends(p, state, start, end, h, path):
-    """The path over a step of h from inputs (21,) at its start to those at its end."""
+    """The path over a step of h from inputs (22,) at its start to those at its end."""
+    _hear(state, start, False)
     quintic(start[0:9], end[0:9], h, path, UPPER_END.column)
     wind(state[PAID_OUT], start[9], end[9], h, path)
     given = LOWER_END.given

@@ -8,7 +8,7 @@ communication steps is then the impulse so far, but for what is still owed.
 The numbers of a driven lower end lie TO_LOWER after those of the top; `end` in what follows is 0 or TO_LOWER.
 """
 
-from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, LOWER_EXCHANGE, LOWER_WATCH, PENDING, STEP, STEPS
+from cable_model.kernels.header import AUDIT, DOUBTS, EXCHANGE, LOWER_EXCHANGE, LOWER_WATCH, PENDING, STEP
 from cable_model.kernels.jit import kernel
 
 IMPULSE = EXCHANGE  # of the force over the communication step, from its own internal steps, N s; three numbers, as all that follow
@@ -22,6 +22,7 @@ GROWTH = EXCHANGE + 21  # rate at which the exchange feeds a ringing, 1/s; see r
 TO_LOWER = LOWER_EXCHANGE - EXCHANGE
 MEANS = 18  # of the outputs, the first of three
 LOWER_FORCES, LOWER_MEANS = 27, 30  # likewise
+SHORTEST = 1e-300  # s: a step that is none divides nothing
 
 
 @kernel
@@ -43,7 +44,7 @@ def add_impulse(end, state, force, h, done, span):
 @kernel
 def add_averaged(end, state, force, late, gap, h, done, span):
     """The same for a force that holds `late` after the step's middle, and `gap` after that of the step before; that in the middle."""
-    share = late / gap if state[STEPS] > 0.0 else 0.0
+    share = late / gap if state[STEP] > 0.0 else 0.0  # 0 at the start, and where the cable has parted
     last = end + LAST
     middle = (
         force[0] - share * (force[0] - state[last]),
@@ -92,7 +93,7 @@ def end_exchange(driven, state, span, outputs):
     """Settle a communication step of `span` that left these outputs, into which its mean forces go; `driven`: of both ends."""
     share = 0.0
     if state[PENDING] == 0.0:
-        share = min(span / state[STEP], 1.0)
+        share = min(span / max(state[STEP], SHORTEST), 1.0)
     _settle(0, state, span, share, outputs[0:3])
     for k in range(3):
         state[NEXT + k] = outputs[k]

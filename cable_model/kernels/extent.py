@@ -13,19 +13,22 @@ from cable_model.kernels.seabed import FORCE
 from cable_model.kernels.vector import axpy, load, mix, norm, sub
 from cable_model.kernels.waves import elevation
 
-MOMENT, HANGING, REACTION, TOUCHDOWN, PAID_OUT, ELEVATION = 34, 35, 36, 37, 40, 41  # of the outputs; the fourth is the first of three
+MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three
+PAID_OUT, ELEVATION, PARTED, REMAINING = 40, 41, 42, 43  # likewise
 CARRIED = 0.5  # of a node's weight, where the cable touches down
 
 
 @kernel
 def tell_whole(length, paid_out, out):
-    """What holds without a seabed and bending: all hangs, down to the lower end that the outputs have."""
+    """What holds of a whole cable without a seabed and bending: all hangs, down to the lower end that the outputs have."""
     out[MOMENT] = 0.0
     out[HANGING] = length
     out[REACTION] = 0.0
     for k in range(3):
         out[TOUCHDOWN + k] = out[5 + k]
     out[PAID_OUT] = paid_out
+    out[PARTED] = 0.0
+    out[REMAINING] = length
 
 
 @kernel

@@ -57,7 +57,7 @@ MOVED = 1e-6  # of the cable's length, by which the top differs then at least
 
 @kernel
 def begin_trials(space, p, time, h, state, outputs, inputs, room, path):
-    """The first trial of a step of h under inputs (21,); `path` is that which follows the inputs, of which lay_path leaves a part."""
+    """The first trial of a step of h under inputs (22,); `path` is that which follows the inputs, of which lay_path leaves a part."""
     learn_outer_force(p[0].host.mass, state, inputs)
     room[TIME], room[STEP], room[AHEAD], room[RENEWED] = time, h, 0.0, 0.0
     lead_outer_force_on(state, room)

@@ -47,6 +47,19 @@ axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimensio
 
 
 @kernel
+def _all_nodes(parting, p, state):
+    return node_count(p)
+
+
+@kernel
+def _nodes_left(parting, p, state):
+    return int(state[header.NODES])
+
+
+nodes_now = by_presence(_all_nodes, _nodes_left)
+
+
+@kernel
 def state_size(parts, p):
     n = node_count(p)
     rows, columns, kept, tensions = grid.shape(parts.box, parts.bending, n, axes(parts.space, 0.0, 0.0, 0.0))
@@ -68,7 +81,7 @@ def work_size(parts, p):
 
 @views
 def cut(parts, p, state, work):
-    n = node_count(p)
+    n = nodes_now(parts.parting, p, state)
     like = axes(parts.space, 0.0, 0.0, 0.0)
     rows, d, kept, tensions = grid.shape(parts.box, parts.bending, n, like)
     m = rows * d

@@ -15,6 +15,7 @@ from cable_model.kernels.jit import kernel
 WINCH = 3  # column of the path, and of the inputs that are kept
 CARRIED = 7  # likewise, the first of two
 GIVEN_STREAM = 19  # place of water.current_x in the inputs
+GIVEN_CUT = 21  # and of lower_end.let_go
 ROWS, COLUMNS = 9, 9
 PATH = ROWS * COLUMNS  # numbers of a path
 ARRIVAL = 6  # first row of where it ends

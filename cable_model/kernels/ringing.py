@@ -151,7 +151,7 @@ def _watch_end(which, kept, told, force, means, last, p, state, inputs):
 
 @kernel
 def watch_ringing(p, state, inputs):
-    """Look at the last communication step, now that inputs (21,) say how the hosts moved in it; before watch_inputs."""
+    """Look at the last communication step, now that inputs (22,) say how the hosts moved in it; before watch_inputs."""
     top, last = state[RINGING : RINGING + KEPT], state[LAST : LAST + 9]
     _watch_end(UPPER_END, top, state[NEXT : NEXT + 3], state[TOLD : TOLD + 3], state[MEAN : MEAN + 3], last, p, state, inputs)
     state[GROWTH] = top[GROWS]

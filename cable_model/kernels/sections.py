@@ -26,6 +26,7 @@ class Made(NamedTuple):
     tangential_drag_coefficient: float
     added_mass_coefficient: float
     volume_per_length: float  # never "that of the diameter" here
+    breaking_tension: float
 
 
 @kernel
@@ -33,7 +34,7 @@ def row_of(sections, k):
     """What section k is made of."""
     return Made(
         sections[k, 1], sections[k, 2], sections[k, 3], sections[k, 4], sections[k, 5], sections[k, 6], sections[k, 7], sections[k, 8],
-        sections[k, 9],
+        sections[k, 9], sections[k, 10],
     )  # fmt: skip
 
 

@@ -125,6 +125,14 @@ def _end_of_two(parts, problem, mesh, y, near, far, beyond, like, s):
     return there + beyond / apart * (there - axial_force(parts, problem, mesh, y, far, like, s))
 
 
+@kernel
+def end_tension(parts, problem, mesh, y, i, like, s):
+    """N of node i at an end of the cable, on the line through those of the two cells there."""
+    if i == 0:
+        return _end_of_two(parts, problem, mesh, y, 0, 1, mesh[0, 1] * mesh[0, 0], like, s)
+    return _end_of_two(parts, problem, mesh, y, i - 1, i - 2, (1.0 - mesh[i - 1, 1]) * mesh[i - 1, 0], like, s)
+
+
 _node_tension = by_presence(_between_cells, _at_joints)
 
 

@@ -17,7 +17,7 @@ from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, un
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER = range(14, 24)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS = range(14, 25)
 # of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
 TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
@@ -90,7 +90,7 @@ def _apart(inputs, last, first, h, share):
 
 @kernel
 def watch_start(state, inputs):
-    """Begin with the inputs (21,) of the initialization, after it."""
+    """Begin with the inputs (22,) of the initialization, after it."""
     for k in range(DOUBTS, AUDIT):
         state[k] = 0.0
     for k in range(LOWER_WATCH, STREAM):
@@ -102,7 +102,7 @@ def watch_start(state, inputs):
 
 @kernel
 def watch_inputs(order, p, state, inputs, step):
-    """Compare the inputs (21,) of a step with the last ones: top.motion_order `order` says which of them are given."""
+    """Compare the inputs (22,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
     if p[0].lower_end.driven > 0.0:
         _watch_end(LOWER_END, TO_LOWER, LOWER_JUMP, order, p, state, inputs, step)

@@ -108,10 +108,10 @@ class ExportError(RuntimeError):
 
 
 def _parts(variant: Variant) -> Any:
-    """A jitted function of (present, *tables) that makes the parts of a variant."""
+    """A jitted function of (present, whole, *tables) that makes the parts of a variant; `whole` 0: of a cable that has parted."""
     from numba import njit
 
-    from cable_model.effects import Parts
+    from cable_model.effects import GOING, Parts
 
     @njit
     def either(value):
@@ -126,9 +126,10 @@ def _parts(variant: Variant) -> Any:
         elif name in TABLES:
             made.append(name)
         else:
-            made.append(f"either(present[{k}])" if variant[name] == EITHER else "True")
+            stays = " * whole" if name in GOING else ""
+            made.append(f"either(present[{k}]{stays})" if variant[name] == EITHER else "True")
     # numba wants the members of a named tuple spelled out
-    return njit(eval(f"lambda present, {', '.join(TABLES)}: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+    return njit(eval(f"lambda present, whole, {', '.join(TABLES)}: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
 
 
 def _start(kernels: Any, released: bool) -> Any:
@@ -173,7 +174,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     parts_now, held_then, start = _parts(variant), _parts({**variant, "anchor": PRESENT}), _start(kernels, released)
     advance, write_outputs = kernels.advance, kernels.outputs
     state_size, work_size, points = kernels.state_size, kernels.work_size, kernels.points
-    ok, again = header.OK, host_trials.AGAIN
+    ok, again, parting = header.OK, host_trials.AGAIN, header.PARTING
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
     of_current, of_history, of_waves, of_curve, of_pieces, of_bodies = TABLES.values()
 
@@ -194,13 +195,16 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             carray(pieces, (n_pieces, of_pieces)),
             carray(bodies, (n_bodies, of_bodies)),
         )
-        parts = parts_now(present, current, over_time, waves, laws, sections, on_line)
+        state = carray(y, (n_y,))
+        whole = 1.0
+        if what != SIZES and what != START and (state[header.PARTED] > 0.0 or state[header.PARTS_AT] > 0.0):
+            whole = 0.0
+        parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
             outputs[1] = WORK + work_size(parts, numbers) + host.room_size(numbers, state_size(parts, numbers), n_outputs)
             return ok
-        state = carray(y, (n_y,))
         work = carray(w, (n_w,))
         path = work[PATH:END].reshape((ROWS, COLUMNS))
         end = work[END:WORK]
@@ -230,13 +234,17 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                held = held_then(present, current, over_time, waves, laws, sections, on_line)
+                held = held_then(present, 1.0, current, over_time, waves, laws, sections, on_line)
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif steps:
                 outputs[0] = fastest_end(path, step)
                 status = TOO_FAST
                 if outputs[0] <= FASTEST_END:
+                    status = parting
+                while status == parting:
+                    whole = 0.0 if state[header.PARTED] > 0.0 or state[header.PARTS_AT] > 0.0 else 1.0
+                    parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
             if status == ok:
                 write_outputs(parts, numbers, state, work[WORK:], outputs)

@@ -153,7 +153,8 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     tables = {part: _rows(getattr(baked, part)) for part in TABLES if part not in ("current", "waves")}
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
     names = {
-        "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_OUTPUTS": len(OUTPUTS), "N_SHAPE": len(SHAPE), "N_NUMBERS": len(PARAMETERS),
+        "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_ENDS": INPUTS.index("lower.az") + 1, "N_OUTPUTS": len(OUTPUTS),
+        "N_SHAPE": len(SHAPE), "N_NUMBERS": len(PARAMETERS),
         "N_PARTS": len(Parts._fields), "N_VARIANTS": len(variants), "CPU_TIME": place[CPU_TIME], "EFFECTS": place[EFFECTS],
         "MOTION_ORDER": place["top.motion_order"], "GRAVITY": place["environment.gravity"],
         "CURRENT_SPEED": place["current.speed"], "CURRENT_DIRECTION": place["current.direction"],

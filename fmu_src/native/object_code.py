@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from cable_model.effects import BY_NAME, CHAIN, TOW, variant
+from cable_model.effects import BY_NAME, CHAIN, GOING, TOW, variant
 from cable_model.scene import Scene
 from cable_model.simulated import is_on, parts_of
-from fmu_src.entries import ABSENT, KINDS, PRESENT, RELEASED, Variant
+from fmu_src.entries import ABSENT, EITHER, KINDS, PRESENT, RELEASED, Variant
 from fmu_src.native.export import export, object_file
 from fmu_src.native.targets import LINUX, Target
 
@@ -49,10 +49,12 @@ def prepare_generic() -> None:
 
 
 def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
-    """What is compiled: exactly the parts of a baked scene, or the generic set."""
+    """What is compiled: exactly the parts of a baked scene, those that go where it parts decided at run time, or the generic set."""
     if scene is None:
         return GENERIC[model]
     parts = {name: ABSENT if part is None else PRESENT for name, part in parts_of(scene, model)._asdict().items()}
+    if parts["parting"] == PRESENT:
+        parts |= {name: EITHER for name in GOING if parts[name] == PRESENT}
     return (parts | ({RELEASED: PRESENT} if is_on(BY_NAME[RELEASED], scene, model) else {}),)
 
 

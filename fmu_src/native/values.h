@@ -139,11 +139,11 @@ fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t 
 }
 
 /* The input that is the derivative of another one's, as a velocity of a position; none: N_VARIABLES.  Inputs are position, velocity and
-   acceleration of the top, the winch's speed, and the same nine of the lower end. */
+   acceleration of the top, the winch's speed, and the same nine of the lower end; those after them have none. */
 static int derivative_of(const Instance *m, fmi2ValueReference vr, fmi2Integer order)
 {
     for (int k = 0; k < N_INPUTS; k++)
-        if (inputs_at[k] == (int)vr && k % 10 < 9)
+        if (inputs_at[k] == (int)vr && k < N_ENDS && k % 10 < 9)
             return k % 10 / 3 + order <= (int)m->core.values[MOTION_ORDER] ? inputs_at[k + 3 * order] : N_VARIABLES;
     return N_VARIABLES;
 }

@@ -1,0 +1,262 @@
+"""A cable that parts: at a time or by an input where it is cut, or where it breaks.  What is below has gone, and the run goes on without.
+
+Within a communication step `advance` ends an internal step exactly where the cable parts, and says PARTING; whoever called it calls it
+again, with the parts that are left (effects.GOING are not), for the rest of the step.  That begins with `drop`: the state is cut down to
+the nodes above, which keep places and velocities, and gets rates that go with its new lower end.
+
+A cable is cut at the node that is nearest to the place; where sections meet there is one.  It breaks where the tension, as outputs would
+tell it, is largest over what the cable bears: at a node, or at an end.  When is found on the line between the ends of the internal step in
+which that happens, which is then taken again, only so far.  Of two cells or less nothing is left that could be simulated: then all of it
+has gone, and the top is free.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels import header
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.problem import Cable, Numeric, Problem
+from cable_model.kernels.sections import made_of
+from cable_model.kernels.slack import floor
+from cable_model.kernels.cells import of_cell
+from cable_model.kernels.staggered_chain import CELLS, end_tension, node_tension
+
+WHOLE, SHORTER, GONE = 0.0, 1.0, 2.0  # of the state's PARTED
+AT_START, AT_END, DONE = 1.0, 2.0, 3.0  # of its CUT
+NEVER = 1e300
+AT_ONCE = 1e-9  # of a communication step: times that are closer are the same
+
+
+class Event(NamedTuple):
+    """When within a communication step the cable parts, s after its start, and at which node."""
+
+    time: float
+    node: int
+
+
+# -- what is left
+
+
+@kernel
+def _as_built(parting, problem, p, state):
+    return problem
+
+
+@kernel
+def _as_left(parting, problem, p, state):
+    old, numeric = problem.cable, problem.numeric
+    length = old.length - state[header.LOST]
+    cable = Cable(length, old.diameter, old.mass, old.stiffness, old.gravity, old.weight)
+    share = max(length, 0.0) / old.length
+    numeric = Numeric(
+        share * numeric.smoothing, numeric.hung, numeric.own, numeric.damping, numeric.voigt, numeric.bending, numeric.pull,
+        numeric.tolerance, numeric.rounding, numeric.blunt, numeric.turn, numeric.rests, numeric.stiffest, numeric.thinnest,
+    )  # fmt: skip
+    return Problem(cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
+
+
+left = by_presence(_as_built, _as_left)  # the problem, with the length of what is left
+
+
+@kernel
+def open_parting(p, state):
+    """Begin with a whole cable."""
+    state[header.NODES] = p[0].solver.nodes
+    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.CUT, header.LOAD):
+        state[k] = 0.0
+
+
+@kernel
+def has_gone(parting, state):
+    """Whether nothing of the cable is left."""
+    if parting is None:
+        return False
+    return state[header.PARTED] == GONE
+
+
+# -- when it parts
+
+
+@kernel
+def _never(parting, p, problem, view, state, time, span):
+    return Event(NEVER, 0)
+
+
+@kernel
+def _cut(parting, p, problem, view, state, time, span):
+    """The cut that is due in a communication step of `span` from `time`."""
+    if state[header.CUT] == DONE:
+        return Event(NEVER, 0)
+    at = NEVER
+    if state[header.CUT] == AT_START:
+        at = 0.0
+    elif state[header.CUT] == AT_END:
+        at = span
+    if p[0].parting.time > 0.0:
+        planned = state[header.START] + p[0].parting.time - time
+        if planned > -AT_ONCE * span:
+            at = min(at, planned)
+    if at > span * (1.0 + AT_ONCE):
+        return Event(NEVER, 0)
+    node = _nearest(problem, view, state, p[0].parting.place)
+    if node < 0:
+        return Event(NEVER, 0)
+    if abs(at - span) <= AT_ONCE * span:
+        at = span
+    return Event(at if at > AT_ONCE * span else 0.0, node)
+
+
+due = by_presence(_never, _cut)
+
+
+@kernel
+def _nearest(problem, view, state, place):
+    """The node nearest to a place, an unstretched length above the lower end of the whole cable; -1 where it has gone already."""
+    arc = place - state[header.LOST]
+    if arc < 0.0 or (arc == 0.0 and state[header.PARTED] != WHOLE):
+        return -1
+    below = 0.0
+    for i in range(view.mesh.shape[0]):
+        above = below + view.mesh[i, 0]
+        if arc < 0.5 * (below + above):
+            return i
+        below = above
+    return view.mesh.shape[0]
+
+
+@kernel
+def _strength(parts, problem, mesh, i):
+    """The tension that the cable bears at node i: that of the weaker of the cells there; 0: any."""
+    bears = 0.0
+    for cell in range(max(i - 1, 0), min(i + 1, mesh.shape[0])):
+        own = made_of(parts.sections, problem.numbers, mesh, cell).breaking_tension
+        if own > 0.0 and (bears == 0.0 or own < bears):
+            bears = own
+    return bears
+
+
+@kernel
+def _largest_load(parts, problem, mesh, y, like, s):
+    """The largest tension over what the cable bears there, and the node; cells[:, 0] holds the tensions."""
+    largest = 0.0
+    node = 0
+    for i in range(mesh.shape[0] + 1):
+        bears = _strength(parts, problem, mesh, i)
+        if bears > 0.0 and (i > 0 or parts.body is not None or parts.anchor is not None):
+            inner = 0 < i < mesh.shape[0]
+            tension = node_tension(parts, problem, mesh, y, i, like, s) if inner else end_tension(parts, problem, mesh, y, i, like, s)
+            if tension > largest * bears:
+                largest = tension / bears
+                node = i
+    return largest, node
+
+
+@kernel
+def load_at_start(parts, problem, view, state, like):
+    """Of the state: the tensions are those that `starting_rates` has left."""
+    if parts.parting is not None and problem.numbers[0].cable.breaking_tension > 0.0:
+        state[header.LOAD], _ = _largest_load(parts, problem, view.mesh, view.y, like, view.scratch)
+
+
+@kernel
+def _unbreakable(parting, parts, problem, view, state, c, done, h, like):
+    return Event(NEVER, 0)
+
+
+@kernel
+def _break(parting, parts, problem, view, state, c, done, h, like):
+    """Whether and when the cable breaks in the step of h just tried from `done`; a step that breaks nothing is kept in mind.
+
+    The tensions, which a step has at its averaged time, are led on to its end as outputs do it; they are put aside meanwhile.
+    """
+    if problem.numbers[0].cable.breaking_tension == 0.0:
+        return Event(NEVER, 0)
+    mesh, s = view.mesh, view.scratch
+    lag = c.alpha_k * h
+    ahead = lag / (h - lag + state[header.LAG])
+    for i in range(mesh.shape[0]):
+        now = s.cells[i, 0]
+        s.cells[i, 1] = now
+        held = floor(parts, of_cell(parts.sections, parts, problem, mesh, i).numeric, mesh[i, 0])
+        s.cells[i, 0] = now + ahead * (now - held - view.force[i])
+    load, node = _largest_load(parts, problem, mesh, view.y1, like, s)
+    for i in range(mesh.shape[0]):
+        s.cells[i, 0] = s.cells[i, 1]
+    before = state[header.LOAD]
+    if load < 1.0:
+        state[header.LOAD] = load
+        return Event(NEVER, 0)
+    share = 0.0
+    if before < 1.0:
+        share = (1.0 - before) / (load - before)
+    return Event(done + share * h, node)
+
+
+breaks = by_presence(_unbreakable, _break)
+
+
+@kernel
+def note_event(state, event, breaking):
+    """What `drop` is to do; a cut is not done twice."""
+    state[header.PARTS_AT] = event.node + 1.0
+    state[header.PARTS_AFTER] = event.time
+    if not breaking:
+        state[header.CUT] = DONE
+
+
+@kernel
+def parts_now(parting, state):
+    """Whether this call of `advance` begins where the cable parts."""
+    if parting is None:
+        return False
+    return state[header.PARTS_AT] > 0.0
+
+
+# -- what goes
+
+
+@kernel
+def _keep_rows(state, at, array, first, beyond):
+    """Rows of an array of the state, moved to the place `at` of it; the place after them."""
+    for i in range(first, beyond):
+        for k in range(array.shape[1]):
+            state[at] = array[i, k]
+            at += 1
+    return at
+
+
+@kernel
+def drop(view, state):
+    """Cut the state down to what is above the node at which the cable parts; whether anything is left.
+
+    What is kept moves towards the head, in the order in which it lies, so that nothing is written over before it is read.
+    """
+    first = int(state[header.PARTS_AT]) - 1
+    state[header.PARTS_AT] = 0.0
+    cells = view.mesh.shape[0]
+    n = cells + 1
+    if first > cells - CELLS - 1:
+        first = cells
+    gone = 0.0
+    for i in range(first):
+        gone += view.mesh[i, 0]
+    state[header.LOST] += gone
+    state[header.MESH_LENGTH] -= gone
+    for k in (header.STEP, header.NEXT_STEP, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP, header.LAST_ERROR):
+        state[k] = 0.0
+    state[header.LOAD] = 0.0
+    state[header.PARTED] = GONE if first == cells else SHORTER
+    if first == cells:
+        return False
+    at = _keep_rows(state, header.HEADER, view.mesh, first, cells)
+    for array in (view.y, view.yd, view.ydd):
+        at = _keep_rows(state, at, array, first, n)
+        at = _keep_rows(state, at, array, n + first, 2 * n)
+    for force in (view.force, view.force_old):
+        for i in range(first, cells):
+            state[at] = force[i]
+            at += 1
+    if view.sliders.shape[0] > 0:
+        at = _keep_rows(state, at, view.sliders, first, view.sliders.shape[0])
+    state[header.NODES] = n - first
+    return True
