@@ -91,10 +91,10 @@ def _tell_point(parts, state, at, tension, row):
 @kernel
 def outputs(parts, p, state, work, out):
     """Fill `out` in the order of signals.OUTPUTS."""
+    parts = in_water_now(parts, p, state)
     if has_gone(parts.parting, state):
         _tell_nothing(parts, state, out)
         return
-    parts = in_water_now(parts, p, state)
     problem = left(parts.parting, build(parts, p, 0.0), p, state)
     view = _now(parts, p, state, work)
     ahead = _tensions_ahead(p, state)
