@@ -222,7 +222,7 @@ EFFECTS = (
         table=tables.line_bodies, native="absent", costs={"a body on the cable": {"cable.body": [{"at": 0.875, "mass": 0.05}]}},
     ),
     Effect(
-        "parting", "parting", Given("cable.breaking_tension") | Given("parting.time") | Given("parting.by_input"),
+        "parting", "parting", Given("parting.time") | Given("parting.by_input") | Given("cable.breaking_tension"),
         ("parting.time", "parting.by_input", "cable.breaking_tension"), models=(CHAIN,), grids=(STAGGERED,),
         numbers=("cable.breaking_tension", "parting.time", "parting.place", "parting.by_input"),
         left_out={"cable.breaking_tension": 0.0, "parting.time": 0.0, "parting.place": 0.0, "parting.by_input": False},

@@ -18,7 +18,7 @@ from cable_model.errors import ParameterError, SolverError, unknown
 from cable_model.motion import MotionLike, PrescribedMotion
 from cable_model.signals import INPUTS, OUTPUTS
 
-_OF_LOWER_END, _OF_CURRENT = INPUTS[10:19], INPUTS[19:]
+_OF_LOWER_END, _OF_CURRENT, _CUT = INPUTS[10:19], INPUTS[19:21], INPUTS.index("lower_end.let_go")
 RESULTS = (*OUTPUTS, "solver.cpu_time")
 WARNING, ERROR = 1, 3  # status of what an FMU logs
 
@@ -80,6 +80,12 @@ class _Opened:
             variable = self.variables[name]
             getattr(self.slave, f"set{variable.type}")([variable.valueReference], [value])
 
+    def set_inputs(self, given: list[float]) -> None:
+        """All of them, in the order of signals.INPUTS."""
+        references = [self.variables[name].valueReference for name in INPUTS]
+        self.slave.setReal(references[:_CUT] + references[_CUT + 1 :], given[:_CUT] + given[_CUT + 1 :])
+        self.slave.setBoolean(references[_CUT : _CUT + 1], [given[_CUT] != 0.0])
+
     def results(self) -> list[float]:
         found: list[float] = self.slave.getReal([self.variables[name].valueReference for name in RESULTS])
         return found
@@ -113,7 +119,7 @@ def simulate_fmu(
     parameters: Mapping[str, object] | None = None,
     told: Callable[[str], None] | None = None,
 ) -> tuple[tuple[str, ...], np.ndarray]:
-    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 21); returns columns and table as a library run has.
+    """Simulate an FMU that communicates at `times` (n,) with `inputs` (n, 22); returns columns and table as a library run has.
 
     The inputs of a communication step are those at its start, as FMI has it, or with top.inputs_at = 1 those at its end.  `told` gets the
     warnings that the FMU logs.  Raises ParameterError for what is no FMU of ours, SolverError for a call that fails.
@@ -121,14 +127,14 @@ def simulate_fmu(
     with _opened(fmu) as opened:
         opened.slave.setupExperiment(startTime=float(times[0]), stopTime=float(times[-1]))
         moved = {"host.mass": 0.0} if "host.mass" in opened.variables else {}  # the motion is given
-        opened.set({**dict(zip(INPUTS, inputs[0].tolist(), strict=True)), **moved, **(parameters or {})})
+        opened.set({**moved, **(parameters or {})})
+        opened.set_inputs(inputs[0].tolist())
         opened.slave.enterInitializationMode()
         opened.slave.exitInitializationMode()
-        references = [opened.variables[name].valueReference for name in INPUTS]
         rows = [opened.results()]
         at_end = int(opened.slave.getInteger([opened.variables["top.inputs_at"].valueReference])[0])
         for (start, end), given in zip(itertools.pairwise(times.tolist()), inputs[at_end:].tolist(), strict=False):
-            opened.slave.setReal(references, given)
+            opened.set_inputs(given)
             opened.slave.doStep(start, end - start)
             rows.append(opened.results())
         if told is not None:
@@ -138,7 +144,7 @@ def simulate_fmu(
 
 
 def sampled_motion(motion: PrescribedMotion, duration: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Output times of a run and events of the motion between them, and the inputs there, (n, 21): a host must not step over an event."""
+    """Output times of a run and events of the motion between them, and the inputs there, (n, 22): a host must not step over an event."""
     times = [0.0]
     for output in output_steps(duration, step):
         near = ROUNDING * output.length
@@ -163,7 +169,7 @@ def coarsened(table: np.ndarray, parts: int) -> np.ndarray:
 
 
 def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Times (n,) and inputs (n, 21) of a table; without those of the lower end none is driven, without a current none is added."""
+    """Times (n,) and inputs (n, 22) of a table; without those of the lower end none is driven, and so on."""
     times = times_of(str(path), columns, table)
     asked: tuple[str, ...] = INPUTS[:10]
     for group in (_OF_LOWER_END, _OF_CURRENT):
@@ -176,7 +182,10 @@ def rows_of_inputs(path: Path, columns: tuple[str, ...], table: np.ndarray) -> t
 
 
 def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
-    """The motion between the rows of a run: quintics through position, velocity and acceleration; the winch's speed and currents linear."""
+    """The motion between the rows of a run: quintics through position, velocity and acceleration; the winch's speed and currents linear.
+
+    What lets the lower end go is held from row to row.
+    """
     from scipy.interpolate import BPoly
 
     paths = [BPoly.from_derivatives(times, rows.reshape(-1, 3, 3)) for rows in (inputs[:, :9], inputs[:, 10:19])]
@@ -184,6 +193,7 @@ def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
 
     def motion(time: float, side: int = 1) -> np.ndarray:
         speed, *currents = ([np.interp(time, times, inputs[:, k])] for k in (9, 19, 20))
-        return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower), *currents])
+        cut = inputs[max(np.searchsorted(times, time, "right") - 1, 0), _CUT:]
+        return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower), *currents, cut])
 
     return motion

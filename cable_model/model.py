@@ -208,7 +208,9 @@ class Model:
     def _finite(inputs: np.ndarray) -> np.ndarray:
         inputs = np.ascontiguousarray(inputs, dtype=np.float64)
         if inputs.shape != (len(INPUTS),):
-            given = "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current 21, or all."
+            given = (
+                "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current 21, or all."
+            )
             raise refuse("inputs", inputs.shape, "", "(9,), (10,), (19,), (21,) or (22,)", given)
         if not np.isfinite(inputs).all():
             first = int(np.argmin(np.isfinite(inputs)))

@@ -149,7 +149,7 @@ class PrescribedMotion:
         """
         speed = 0.0 if self._speeds is None else np.interp(t, self._speeds[:, 0], self._speeds[:, 1])
         top, lower = (end(t, side) for end in self._ends)
-        return np.concatenate([top, [speed], lower, [0.0, 0.0]])
+        return np.concatenate([top, [speed], lower, [0.0, 0.0, 0.0]])
 
 
 def _splines(end: Top | Lower, name: str) -> list[CubicSpline]:

@@ -36,6 +36,7 @@ __all__ = [
 ]
 
 _numbers = itertools.count()
+CUT = INPUTS.index("lower_end.let_go")  # the one that is a Boolean, and the last
 HEAD = 10  # inputs whose value references come first
 FIRST = OUTPUTS.index("top.force_mean_x")  # outputs whose value references follow theirs
 ERROR = 3  # fmi2Error: a host can go on
@@ -123,7 +124,9 @@ class Instance:
     def set_inputs(self, inputs: Iterable[float]) -> None:
         """The first inputs; the others stay, where fmpy alone would make them 0."""
         given = [float(x) for x in inputs]
-        self.slave.setReal(self._inputs[: len(given)], given)
+        self.slave.setReal(self._inputs[: len(given)][:CUT], given[:CUT])
+        if len(given) > CUT:
+            self.slave.setBoolean(self._inputs[CUT:], [given[CUT] != 0.0])
 
     def step(self, time: float, step: float, inputs: Iterable[float]) -> np.ndarray:
         self.set_inputs(inputs)

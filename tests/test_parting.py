@@ -86,7 +86,9 @@ def test_cut_between_its_ends_it_goes_on_as_one_of_that_length_whose_load_is_let
     vertical = {"lower_end": {}, "water": {"density": 0.0}}
     swing = {"top__motion_order": 2}
     whole = make({**MOORING, **vertical}, solver__nodes=41, solver__grading=1.0, parting__time=0.3, parting__place=50.0, **swing)
-    half = make({**MOORING, **vertical}, solver__nodes=21, solver__grading=1.0, parting__time=0.3, cable__length=50.0, body__mass=200.0, **swing)
+    half = make(
+        {**MOORING, **vertical}, solver__nodes=21, solver__grading=1.0, parting__time=0.3, cable__length=50.0, body__mass=200.0, **swing
+    )
 
     def motion(t):
         return np.array([0.5 * t**3, 0.0, 0.0, 1.5 * t**2, 0.0, 0.0, 3.0 * t, 0.0, 0.0])

@@ -13,12 +13,12 @@ has gone, and the top is free.
 from typing import NamedTuple
 
 from cable_model.kernels import header
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import Cable, Numeric, Problem
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import floor
-from cable_model.kernels.cells import of_cell
 from cable_model.kernels.staggered_chain import CELLS, end_tension, node_tension
 
 WHOLE, SHORTER, GONE = 0.0, 1.0, 2.0  # of the state's PARTED

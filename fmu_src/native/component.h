@@ -14,7 +14,7 @@
 #define INTEGER "Integer"
 #endif
 
-enum { QUANTITIES = 4 }; /* of a point of the shape: x, y, z and tension */
+enum { QUANTITIES = 4, N_PRESENCES = sizeof presences / sizeof *presences }; /* of a point of the shape: x, y, z and tension */
 
 typedef enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED, FAILED_AND_TERMINATED } Phase;
 static const char *const phases[] = {"instantiated", "initializing", "running", "failed", "terminated", "failed and terminated"};
@@ -129,18 +129,32 @@ static int apart(const char *variant, const double *present, int *first)
     return count;
 }
 
+static int is_present(const Core *core, int part)
+{
+    int any = 0;
+    for (int k = 0; k < N_PRESENCES; k++)
+        any |= presences[k].part == part && holds(core, &presences[k].when);
+    return any;
+}
+
 /* The value that a part is to be switched by: one that keeps it off, or the one that was changed to switch it on. */
 static const Literal *switch_of(const Core *core, int part)
 {
-    const Condition *c = &part_is_present[part];
-    const Literal *found = c->literals;
-    for (int k = c->count - 1; k >= 0; k--) {
-        const Literal *l = &c->literals[k];
-        int vr = variable_of(l);
-        if (!true_of(l, core->values[vr]) || (holds(core, c) && !true_of(l, variables[vr].start)))
-            found = l;
+    const Literal *found = NULL, *first = NULL;
+    int present = is_present(core, part);
+    for (int j = N_PRESENCES - 1; j >= 0; j--) {
+        const Condition *c = &presences[j].when;
+        if (presences[j].part != part)
+            continue;
+        first = c->literals;
+        for (int k = c->count - 1; k >= 0 && holds(core, c) == present; k--) {
+            const Literal *l = &c->literals[k];
+            int vr = variable_of(l);
+            if (!true_of(l, core->values[vr]) || (present && !true_of(l, variables[vr].start)))
+                found = l;
+        }
     }
-    return found;
+    return found ? found : first;
 }
 
 static fmi2Status choose_variant(Instance *m)
@@ -148,7 +162,7 @@ static fmi2Status choose_variant(Instance *m)
     char text[200];
     int fewest = N_PARTS + 1, part = 0;
     for (int k = 0; k < N_PARTS; k++)
-        m->present[k] = holds(&m->core, &part_is_present[k]);
+        m->present[k] = is_present(&m->core, k);
     for (int k = 0; k < N_VARIANTS; k++) {
         int first = 0, count = apart(variants[k], m->present, &first);
         if (count < fewest)
@@ -287,13 +301,17 @@ static fmi2Status initialize(Instance *m)
 static const char *active_effects(Instance *m)
 {
     size_t at = 0;
+    int told = 0;
     m->active[0] = 0;
     for (size_t k = 0; m->core.initialized != 0.0 && k < sizeof effects / sizeof *effects && at < sizeof m->active; k++) {
         const Effect *e = &effects[k];
         double value = e->variable < 0 ? 0.0 : m->core.values[e->variable];
         char number[40] = "";
-        if (!holds(&m->core, &e->when))
+        if (!e->again)
+            told = 0;
+        if (told || !holds(&m->core, &e->when))
             continue;
+        told = 1;
         if (e->variable >= 0)
             snprintf(number, sizeof number, "%g", value);
         if (e->variable >= 0 && variables[e->variable].kind == 'B')

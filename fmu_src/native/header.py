@@ -43,7 +43,8 @@ typedef struct { int variable, nonzero; } Literal;
 typedef struct { int count; Literal literals[4]; } Condition; /* all of them; count < 0: never */
 typedef struct { Condition when; int variable; const char *text; } Refusal;
 typedef struct { Condition when; int variable, other, slack; double times; int equal; const char *before, *after; } StartRule;
-typedef struct { Condition when; const char *words; int variable; const char *unit; } Effect;
+typedef struct { Condition when; const char *words; int variable; const char *unit; int again; } Effect; /* again: told with the one before */
+typedef struct { int part; Condition when; } Presence; /* one of the cases in which a part is there */
 typedef struct { int variable, below_zero; } Number; /* the second takes the place of a negative first one */
 """
 
@@ -151,7 +152,8 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     levels = _rows(baked.current if scene.current.levels else None)
     sea = _rows(baked.waves if has_sea(scene, model) else None)  # a row a quantity
     tables = {part: _rows(getattr(baked, part)) for part in TABLES if part not in ("current", "waves")}
-    reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}}}" for r in rules.reasons()]
+    presences = [f"{{{k}, {_condition(case)}}}" for k, cases in enumerate(parts.values()) for case in cases or [None]]
+    reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}, {int(r.again)}}}" for r in rules.reasons()]
     names = {
         "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_ENDS": INPUTS.index("lower.az") + 1, "N_OUTPUTS": len(OUTPUTS),
         "N_SHAPE": len(SHAPE), "N_NUMBERS": len(PARAMETERS),
@@ -188,7 +190,7 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
         _array("Number", "numbers_from", (f"{{{vr}, {instead}}}" for vr, instead in rules.numbers())),
         _array("Refusal", "refusals", (f"{{{_condition(r.literals)}, {r.variable}, {_text(r.text)}}}" for r in rules.refusals())),
         _array("StartRule", "start_rules", [_start_rule(r) for r in rules.start_rules()] or [NO_START_RULE]),
-        _array("Condition", "part_is_present", (_condition(literals) for literals in parts.values())),
+        _array("Presence", "presences", presences),
         _array("char", "part_names", (_text(name) for name in parts), "][20"),
         _array("char", "variants", (f"{{{', '.join(str(v[name]) for name in Parts._fields)}}}" for v in variants), "][N_PARTS"),
         _array("Effect", "effects", reasons),

@@ -66,12 +66,16 @@ class Limit:
 
 @dataclass(frozen=True)
 class Reason:
-    """An effect as the list of active effects names it; `variable` < 0: the words are constant."""
+    """An effect as the list of active effects names it; `variable` < 0: the words are constant.
+
+    `again`: another case of the effect in the row before, which is told once.
+    """
 
     literals: Case
     words: str
     variable: int
     unit: str
+    again: bool = False
 
 
 @dataclass
@@ -127,52 +131,55 @@ class Rules:
     def _excluded(self) -> list[set[tuple[int, bool]]]:
         return [set(refusal.literals) for refusal in self.refusals()]
 
-    def _when(self, effect: Effect) -> Case | None:
-        """When an effect is on: literals, without those that follow from others since their contrary is refused; None never."""
+    def _when(self, effect: Effect) -> list[Case]:
+        """When an effect is on: cases of literals, without those that follow from others since their contrary is refused."""
         asked = when(effect, self.model)
         alternatives = [()] if asked is True else [] if asked is False else self._cases(asked, self.model)
-        if len(alternatives) > 1:
-            raise ValueError(f"{effect.name} is on in several cases. Teach the C layer alternatives.")
-        if not alternatives:
-            return None
-        kept = set(alternatives[0])
-        for variable, given in alternatives[0]:
+        return list(dict.fromkeys(map(self._shortened, alternatives)))
+
+    def _shortened(self, case: Case) -> Case:
+        kept = set(case)
+        for variable, given in case:
             if any(refused <= kept - {(variable, given)} | {(variable, not given)} for refused in self._excluded):
                 kept.discard((variable, given))
         return tuple(sorted(kept))
 
-    def parts(self) -> dict[str, Case | None]:
-        """When each part is present: literals; () always, None never."""
+    def parts(self) -> dict[str, list[Case]]:
+        """When each part is present: cases of literals; [()] always, [] never."""
         return {effect.name: self._when(effect) for effect in EFFECTS if effect.part}
 
     def reasons(self) -> list[Reason]:
         """The effects that may be active, as simulated.effects names them."""
-        made: dict[str, Reason] = {}
+        made: dict[str, list[Reason]] = {}
         for effect in EFFECTS:
-            condition = self._told(effect)
-            if condition is None or effect.words in made:
-                continue
-            name = decides(effect, self.base)
-            if name in self._place:
-                unit = field_of(name).metadata["unit"]
-                made[effect.words] = Reason(condition, f"{effect.words} ({name} = ", self._place[name], "" if unit == "1" else unit)
-            else:
-                made[effect.words] = Reason(condition, f"{effect.words} ({why(effect, self.base, self.model)})", -1, "")
-        return list(made.values())
+            told = self._told(effect)
+            if told and effect.words not in made:
+                made[effect.words] = [self._reason(effect, case, told) for case in told]
+        return [reason for group in made.values() for reason in group]
 
-    def _told(self, effect: Effect) -> Case | None:
-        """When lists of effects have this one: literals; None never."""
+    def _reason(self, effect: Effect, case: Case, told: list[Case]) -> Reason:
+        """The words of one of the cases in which an effect is told: the value that decides on it."""
+        name = decides(effect, self.base)
+        if len(told) > 1:
+            name = next(name for name in effect.because if any(self._place[name] == variable for variable, _ in case))
+        if name not in self._place:
+            return Reason(case, f"{effect.words} ({why(effect, self.base, self.model)})", -1, "")
+        unit = field_of(name).metadata["unit"]
+        return Reason(case, f"{effect.words} ({name} = ", self._place[name], "" if unit == "1" else unit, case != told[0])
+
+    def _told(self, effect: Effect) -> list[Case]:
+        """When lists of effects have this one: cases of literals."""
         if not effect.words or self.model not in effect.models:
-            return None
-        condition = self._when(effect)
+            return []
+        alternatives = self._when(effect)
         if not effect.inverse:
-            return condition
-        if condition is None:
-            return ()
-        if len(condition) != 1:
+            return alternatives
+        if not alternatives:
+            return [()]
+        if [len(case) for case in alternatives] != [1]:
             raise ValueError(f"{effect.name}: the contrary of several values. Teach the C layer alternatives.")
-        ((variable, given),) = condition
-        return ((variable, not given),)
+        (((variable, given),),) = alternatives
+        return [((variable, not given),)]
 
     @functools.cached_property
     def kept(self) -> Mapping[str, str]:
