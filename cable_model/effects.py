@@ -67,8 +67,8 @@ EFFECTS = (
         numbers=("lower_end.x", "lower_end.y", "lower_end.z"), parameters=("lower_end.anchored",),
     ),
     Effect(
-        "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,), goes=True,
-        grids=(STAGGERED,), asked=Given("lower_end.driven"), numbers=("lower_end.driven",),
+        "driven", "lower end moved by inputs", Given("lower_end.driven"), ("lower_end.driven",), needs=("anchor",), models=(CHAIN,),
+        grids=(STAGGERED,), goes=True, asked=Given("lower_end.driven"), numbers=("lower_end.driven",),
         costs={"lower end moved by inputs": {"lower_end.anchored": True, "lower_end.driven": True, "lower.position": [0.0, 0.0, -1.6]}},
     ),
     Effect(

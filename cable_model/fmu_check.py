@@ -193,7 +193,7 @@ def recorded_motion(times: np.ndarray, inputs: np.ndarray) -> MotionLike:
 
     def motion(time: float, side: int = 1) -> np.ndarray:
         speed, *currents = ([np.interp(time, times, inputs[:, k])] for k in (9, 19, 20))
-        cut = inputs[max(np.searchsorted(times, time, "right") - 1, 0), _CUT:]
+        cut = inputs[max(int(np.searchsorted(times, time, "right")) - 1, 0)][_CUT:]
         return np.concatenate([*(value(time) for value in top), speed, *(value(time) for value in lower), *currents, cut])
 
     return motion

@@ -198,7 +198,7 @@ class Model:
         return float(step)
 
     def complete(self, inputs: np.ndarray) -> np.ndarray:
-        """Inputs (22,), of which (9,), (10,), (19,) or (21,) will do: winch and lower end stand still, no current is added, none lets go."""
+        """Inputs (22,), of which (9,), (10,), (19,) or (21,) will do: the rest stands still and does nothing."""
         inputs = np.asarray(inputs, dtype=np.float64)
         if inputs.shape in ((9,), (10,), (19,), (21,)):
             inputs = np.concatenate([inputs, self._at_rest[len(inputs) - 9 :]])

@@ -76,7 +76,8 @@ class Result:
         """All of it as one dataset, with units, meanings, warnings and the scene.  Raises ParameterError where xarray is not installed.
 
         Series go over `time`, and by their names as in `columns`; profiles, where the result has them, over `time` and `arc_length`, by
-        those of facts.PROFILE.  Where a winch changes the lengths, or the cable parts, the second dimension is `point`, and `arc_length` goes over both.
+        those of facts.PROFILE.  Where a winch changes the lengths, or the cable parts, the second dimension is `point`, and
+        `arc_length` goes over both.
         """
         from cable_model.result_files import dataset
 

@@ -45,7 +45,7 @@ KINDS = {
 }  # fmt: skip
 SLOW_KINDS = {
     "sections and a float": {"section": True},
-    "steps by a tolerance": {"solver__tolerance": 1e-4},
+    "steps by a tolerance": {"solver__tolerance": 1e-3, "cable__axial_damping": 1e5},
     "audited": {"solver__audit": True},
 }
 
@@ -185,7 +185,8 @@ def test_what_hangs_breaks_at_its_top_where_the_tension_is_largest(nodes):
 
 def test_a_cable_of_sections_breaks_at_the_weakest_for_what_it_carries():
     sections = [
-        {"length": 20.0, "breaking_tension": 900.0}, {"length": 10.0, "breaking_tension": 400.0}, {"length": 20.0, "breaking_tension": 2000.0},
+        {"length": 20.0, "breaking_tension": 900.0}, {"length": 10.0, "breaking_tension": 400.0},
+        {"length": 20.0, "breaking_tension": 2000.0},
     ]  # fmt: skip
     rope = {"mass_per_length": 2.0, "axial_stiffness": 1e6, "axial_damping": 1e5, "section": sections}
     model = make({"cable": rope, "body": {"mass": 5.0}, "solver": {"nodes": 26, "time_step": 0.01}})
@@ -276,7 +277,7 @@ def test_what_does_not_go_with_parting_is_refused():
         (MOORING, {"parting__place": 20.0}, "parting.place = 20 m: must be 0 where nothing cuts the cable"),
         (free, {"parting__time": 2.0}, "parting.place = 0 m: must be > 0 where the lower end is free"),
         (MOORING, {"parting__time": -1.0}, "parting.time = -1 s: must be >= 0"),
-        ({**free, "water": {}}, {"solver__grid": "box", "parting__time": 2.0, "parting__place": 1.0}, "parting.time = 2 s: must be 0 on the box grid"),
+        (MOORING, {"solver__grid": "box", "parting__time": 2.0, "parting__place": 1.0}, "parting.time = 2 s: must be 0 on the box grid"),
     ]  # fmt: skip
     for base, changes, text in cases:
         with pytest.raises(ParameterError) as told:

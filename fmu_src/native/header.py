@@ -43,7 +43,7 @@ typedef struct { int variable, nonzero; } Literal;
 typedef struct { int count; Literal literals[4]; } Condition; /* all of them; count < 0: never */
 typedef struct { Condition when; int variable; const char *text; } Refusal;
 typedef struct { Condition when; int variable, other, slack; double times; int equal; const char *before, *after; } StartRule;
-typedef struct { Condition when; const char *words; int variable; const char *unit; int again; } Effect; /* again: told with the one before */
+typedef struct { Condition when; const char *words; int variable; const char *unit; int again; } Effect; /* again: the last one's */
 typedef struct { int part; Condition when; } Presence; /* one of the cases in which a part is there */
 typedef struct { int variable, below_zero; } Number; /* the second takes the place of a negative first one */
 """
@@ -152,7 +152,8 @@ def c_header(identifier: str, rows: Sequence[Variable], scene: Scene, model: str
     levels = _rows(baked.current if scene.current.levels else None)
     sea = _rows(baked.waves if has_sea(scene, model) else None)  # a row a quantity
     tables = {part: _rows(getattr(baked, part)) for part in TABLES if part not in ("current", "waves")}
-    presences = [f"{{{k}, {_condition(case)}}}" for k, cases in enumerate(parts.values()) for case in cases or [None]]
+    never: list[Sequence[Literal] | None] = [None]
+    presences = [f"{{{k}, {_condition(case)}}}" for k, cases in enumerate(parts.values()) for case in cases or never]
     reasons = [f"{{{_condition(r.literals)}, {_text(r.words)}, {r.variable}, {_text(r.unit)}, {int(r.again)}}}" for r in rules.reasons()]
     names = {
         "N_VARIABLES": len(rows), "N_INPUTS": len(INPUTS), "N_ENDS": INPUTS.index("lower.az") + 1, "N_OUTPUTS": len(OUTPUTS),
