@@ -51,7 +51,7 @@ class JustInTime:
             found: int = self._kernels.initialize(self._parts, self._numbers, time, self.state, self.work)
             return found
         status: int = self._kernels.settle(self._held, self._numbers, time, self.state, self.work)
-        return status if status != header.OK else self._kernels.set_off(self._parts, self._numbers, time, self.state, self.work)
+        return status if status != header.OK else self._kernels.release(self._parts, self._numbers, time, self.state, self.work)
 
     def step(self, time: float, step: float, inputs: np.ndarray) -> int:
         status = ends.refuse_inputs(self._numbers, time, self.state, inputs)

@@ -126,6 +126,32 @@ def test_the_pull_leaves_a_string_as_dalembert_has_it(place, left):
     assert run["body.tension"][t > 1e-9].tolist() == [0.0] * int(np.sum(t > 1e-9))
 
 
+JUMPS = {
+    "let go in the run": {"parting__time": 0.1},
+    "let go at the start": {"lower_end__released": True},
+    "no more held aside": {"lower_end": {}, "lower_end__release_force": 8e4},
+}
+
+
+@pytest.mark.parametrize("way", JUMPS)
+@pytest.mark.parametrize("lam", [-0.9, -0.5, 0.0])
+def test_an_end_that_is_suddenly_free_goes_as_fast_in_long_steps_as_in_short_ones(way, lam):
+    """A taut wire that goes slack behind the front: nothing would take back what the end overshoots in a step."""
+    changes = dict(JUMPS[way])
+    wire = {
+        "cable": {"length": 100.0, "mass_per_length": 3.0, "axial_stiffness": 5e7, "axial_damping": 2e5, **MAY_PART},
+        "lower_end": changes.pop("lower_end", {"anchored": True, "x": -60.0, "z": -80.17}),
+    }
+    ends = []
+    for step in (0.02, 1e-3):
+        model = make(wire, solver__nodes=41, solver__time_step=step, solver__lambda_infinity=lam, **changes)
+        run = drive(model, every(0.02, 0.2), still())
+        ends.append(np.hypot(run["body.vx"], run["body.vz"]))
+    after = slice(7, 11)  # 0.04 s and more after it
+    assert ends[1][after].min() > 4.0
+    assert ends[0][after] == pytest.approx(ends[1][after], rel=0.03)
+
+
 def test_a_cable_that_is_cut_at_its_top_leaves_nothing():
     model = make(STRING, parting__time=0.1049, parting__place=100.0)
     run = drive(model, every(0.01, 0.2), still((0.0, 0.0, 0.0)))

@@ -5,6 +5,7 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.audit import count_step, open_audit, reopen_audit
 from cable_model.kernels.build import build
+from cable_model.kernels.cells import of_cell
 from cable_model.kernels.chain_ends import (
     Course,
     accelerations_on,
@@ -43,12 +44,14 @@ from cable_model.kernels.vector import sub
 from cable_model.kernels.watch import PARTS, note, open_bottom
 
 # what a model calls
-__all__ = ("advance", "initialize", "outputs", "points", "set_off", "settle", "state_size", "work_size")
+__all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "settle", "state_size", "work_size")
 
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
+IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
+BEHIND_FRONT = 1.2  # by how much they grow from one to the next
 SOME = 1e-300  # m: a doubt without numbers would be none
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
@@ -65,6 +68,8 @@ def initialize(parts, p, time, state, work):
     status = settle(parts, p, time, state, work)
     if status != header.OK:
         return status
+    if parts.slack is not None and p[0].lower_end.release_force != 0.0:
+        return release(parts, p, time, state, work)
     return set_off(parts, p, time, state, work)
 
 
@@ -120,6 +125,40 @@ def set_off(parts, p, time, state, work):
     open_audit(parts.audit, parts, problem, view, state, top)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
     return header.OK
+
+
+@kernel
+def release(parts, p, time, state, work):
+    """The same for a cable whose lower end was held until now: what pulled there falls off in an instant."""
+    status = set_off(parts, p, time, state, work)
+    if status == header.OK:
+        view = cut(parts, p, state, work)
+        problem = build(parts, p, 0.0)
+        _follow_front(parts, p, problem, view.mesh, state)
+    return status
+
+
+@kernel
+def _follow_front(parts, p, problem, mesh, state):
+    """Begin with steps that resolve the front that runs up from an end which is suddenly free, and let them grow slowly.
+
+    In steps longer than its way through a cell the end overshoots what it should get; and a cable that goes slack does not push it back:
+    it would fly off at several times its speed.
+    """
+    shortest = p[0].solver.time_step
+    for i in range(mesh.shape[0]):
+        own = of_cell(parts.sections, parts, problem, mesh, i).cable
+        shortest = min(shortest, IN_FRONT * mesh[i, 0] * math.sqrt(own.mass / own.stiffness))
+    state[header.NEXT_STEP] = max(shortest, TINY_STEP * _natural_step(p, problem.cable))
+    state[header.FRONT] = 1.0
+
+
+@kernel
+def _next_step(state, h, used):
+    """The longest internal step after one of `used`, where steps of h were aimed at and the end of the communication step cut them."""
+    if state[header.FRONT] > 0.0:
+        return min(GROWTH * used, BEHIND_FRONT * h)
+    return GROWTH * used
 
 
 @kernel
@@ -350,7 +389,7 @@ def advance(parts, p, time, span, path, state, work):
             kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
             proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
         elif used < base:
-            proposal = min(base, 2.0 * used) if status <= 8 else used
+            proposal = min(base, _next_step(state, h, used)) if status <= 8 else used
         if not breaking:
             broken = breaks(parts.parting, parts, problem, view, state, c, done, used, vector_at(parts, state, header.TOP))
             if broken.time < until:
@@ -372,6 +411,8 @@ def advance(parts, p, time, span, path, state, work):
         note_event(state, event, breaking)
         return header.PARTING
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
+    if state[header.NEXT_STEP] == 0.0:
+        state[header.FRONT] = 0.0
     state[header.PENDING] = 0.0
     _go_on(parts, problem, view, state, time, span, path)
     return header.OK
@@ -416,6 +457,7 @@ def _part_now(parting, parts, p, problem, view, state, work, course, time, done)
     change = view.ydd.reshape(size)
     for i in range(size):
         change[i] = 0.0
+    _follow_front(parts, p, problem, view.mesh, state)
     load_at_start(parts, problem, view, state, places.top)
     reopen_audit(parts.audit, parts, problem, view, state, places.top)
     return header.OK

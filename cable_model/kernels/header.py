@@ -55,7 +55,8 @@ PARTS_AT = 529  # one more than the node at which it parts next, within the comm
 PARTS_AFTER = 530  # and how long after the start of the communication step, s
 CUT = 531  # 0: the cable is not cut; an input cuts it, 1: at the start of this communication step, 2: at its end; 3: it was cut before
 LOAD = 532  # the largest tension over the tension at which the cable breaks there, at the end of the last internal step
-HEADER = 533
+FRONT = 533  # 1 while internal steps grow slowly, behind a front that runs up from an end which is suddenly free
+HEADER = 534
 
 CELLS_OF_A_SECTION = 2  # at least
 SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little; what rules refuse at the start, and watch.py tells of

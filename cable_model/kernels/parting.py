@@ -62,7 +62,7 @@ left = by_presence(_as_built, _as_left)  # the problem, with the length of what 
 def open_parting(p, state):
     """Begin with a whole cable."""
     state[header.NODES] = p[0].solver.nodes
-    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.CUT, header.LOAD):
+    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.CUT, header.LOAD, header.FRONT):
         state[k] = 0.0
 
 

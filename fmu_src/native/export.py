@@ -144,12 +144,12 @@ def _start(kernels: Any, released: bool) -> Any:
             return initialize(parts, numbers, time, state, work)
 
         return presence.kernel(start)
-    settle, set_off, ok = kernels.settle, kernels.set_off, header.OK
+    settle, release, ok = kernels.settle, kernels.release, header.OK
 
     def let_go(parts, held, numbers, time, state, work):
         status = settle(held, numbers, time, state, work)
         if status == ok:
-            status = set_off(parts, numbers, time, state, work)
+            status = release(parts, numbers, time, state, work)
         return status
 
     return presence.kernel(let_go)

@@ -195,6 +195,14 @@ LET_GO = (
 )
 
 
+PARTINGS = (
+    Variant("at its anchor"),
+    Variant("in its middle", {"parting.place": 50.0}),
+    Variant("at its top", {"parting.place": 100.0}),
+    Variant(
+        "its payload let go", {"lower_end.anchored": False, "lower_end.x": 0.0, "lower_end.z": 0.0, "body.mass": 1e4, "body.volume": 1.3}
+    ),
+)
 GENTLE = {"top.motion": [{"kind": "sinusoid", "axis": axis, "amplitude": 0.2, "period": 5.0, "ramp_time": 5.0} for axis in "xz"]}
 
 
@@ -236,6 +244,7 @@ CASES = (
     Case("H19 tow", "hard/two_ships", SNAPS[:3], check="peaks"),
     Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
     Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),
+    Case("H21", "hard/parting", PARTINGS, chaos=3.0),
     Case("H22", "hard/sections", tuple(beads(power) for power in (-3, -1, 0, 1, 3)), chaos=6.0),
     Case("H22 gently", "hard/sections", tuple(beads(power, GENTLE) for power in (-3, 0, 3))),
 )

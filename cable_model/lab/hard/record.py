@@ -11,6 +11,7 @@ from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.kernels import header, layout
+from cable_model.kernels.parting import GONE
 from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
@@ -69,7 +70,6 @@ class _Watch:
 
     def __init__(self, model: CableChain, motion: PrescribedMotion) -> None:
         self.model, self.motion = model, motion
-        self.now = layout.cut(model.parts, model.numbers, model.state, model._work) if model.parts.box is None else None
         self.drift: list[float] = []
         self.top_error = 0.0
         self.arc_error = 0.0
@@ -77,13 +77,18 @@ class _Watch:
         self.turn = 0.0
 
     def read(self, time: float) -> None:
-        now = self.now
-        if now is None:
+        model = self.model
+        if model.parts.box is not None:
             return
         prescribed = self.motion(time, -1)[:3]
-        at = self.model.positions()
+        at = model.positions()
         self.top_error = max(self.top_error, float(np.abs(at[-1] - prescribed).max()))
+        if model.parts.parting is not None and model.state[header.PARTED] == GONE:
+            self.drift.append(0.0)
+            return
+        now = layout.cut(model.parts, model.numbers, model.state, model._work)
         n = now.mesh.shape[0] + 1
+        at = at[-n:]  # where it has parted those below have gone
         cells = np.diff(at, axis=0)
         drawn = np.linalg.norm(cells, axis=1)
         self.lengths.append(float(drawn.sum()))
