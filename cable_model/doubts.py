@@ -128,6 +128,15 @@ def under_a_given_motion(scene: Any) -> Iterator[str]:
             "water.current_input = true in a run without a host: nothing gives this current, and it is 0. "
             "Give current.table, or couple the host that has it by the FMU."
         )
+    if is_on(BY_NAME["parting"], scene, scene.run.model):
+        cut = scene.parting
+        if cut.by_input:
+            yield (
+                "parting.by_input = true in a run without a host: nothing cuts the cable. "
+                "Give parting.time, or couple the host that does by the FMU."
+            )
+        if cut.time > scene.run.duration:
+            yield f"parting.time = {cut.time:g} s in a run of {scene.run.duration:g} s: nothing is cut. Give another time, or a longer run."
     for end in ("top", "lower"):
         yield from _swings_between_rows(f"{end}.table", getattr(scene, end).table)
 
@@ -202,7 +211,9 @@ SEEN = (
     "Check its motion, or seabed.level.",
     "ends of the cable = %.3g m apart at the start, of a length of %.4g m: it hangs in a fold. "
     "Connect lower.x, y and z, and give them start values.",
-    "cable parted at t = %.6g s: %.6g m of it are left, the rest has gone. Check cable.breaking_tension and [parting] where it should not.",
+    "cable parted at t = %.6g s with %.6g m left above: the rest has gone. Check cable.breaking_tension and [parting] where it should not.",
+    "cable parted at its top at t = %.6g s with %.6g m below: nothing is left. "
+    "Check cable.breaking_tension and [parting] where it should not.",
 )
 
 

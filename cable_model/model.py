@@ -37,7 +37,7 @@ _REASONS = {
 }
 _SAID = (  # where no number says more
     header.OUT_OF_PLANE, header.NO_WINCH, header.HAULED_IN, header.TOO_MANY_STEPS, header.NOT_DRIVEN, header.NO_STREAM,
-    header.NOT_LET_GO, header.TOO_WEAK,
+    header.NOT_LET_GO,
 )  # fmt: skip
 _REMEDIES = {
     header.STEP_TOO_SMALL: "Try a smaller solver.time_step, solver.lambda_infinity = -0.5, more slack_damping, or a smoother motion",
@@ -189,6 +189,8 @@ class Model:
     def _measure(self, status: int) -> str:
         """How bad a failed step is."""
         size, node = self.state[header.ERROR_SIZE], int(self.state[header.ERROR_NODE])
+        if status == header.TOO_WEAK:
+            return f"{size:.3g} times that at node {node} from the lower end"
         return f"largest last Newton change {size:.3g} at node {node} from the lower end"
 
     @staticmethod

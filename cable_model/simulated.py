@@ -113,10 +113,11 @@ def numbers_of(scene: Any) -> np.recarray:
 # -- what is refused
 
 
-def _refusal(effect: Effect, scene: Any, where: str, remedy: str) -> ParameterError:
+def _refusal(effect: Effect, scene: Any, where: str, remedy: str, name: str = "") -> ParameterError:
+    """The error of an effect; it names the value `name`, or the first that asks for it."""
     condition = asked(effect)
     changed = [name for name in names(condition) if value_of(scene, name) != field_of(name).default] if condition is not None else []
-    name = changed[0] if changed else decides(effect, scene)
+    name = name or (changed[0] if changed else decides(effect, scene))
     value, unit, default = value_of(scene, name), field_of(name).metadata["unit"], field_of(name).default
     if isinstance(value, tuple):
         return refuse(name, len(value), "rows", f"empty {where}", remedy)
@@ -162,9 +163,9 @@ def refused_on(effect: Effect, grid: str) -> Condition | None:
     return None if grid in effect.grids or without else asked(effect)
 
 
-def grid_refusal(effect: Effect, scene: Any, grid: str) -> ParameterError:
-    """The error of an effect on a grid that has it not."""
-    return _refusal(effect, scene, f"on the {grid} grid", effect.remedy)
+def grid_refusal(effect: Effect, scene: Any, grid: str, name: str = "") -> ParameterError:
+    """The error of an effect on a grid that has it not, for the value `name` or the first that asks for it."""
+    return _refusal(effect, scene, f"on the {grid} grid", effect.remedy, name)
 
 
 def refused_on_grid(scene: Any) -> Iterator[ParameterError]:

@@ -41,7 +41,7 @@ from cable_model.kernels.pending import build_bridge, equal_step, followed, is_s
 from cable_model.kernels.problem import is_neutral, with_tolerance
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import sub
-from cable_model.kernels.watch import PARTS, note, open_bottom
+from cable_model.kernels.watch import ALL_GONE, PARTS, note, open_bottom
 
 # what a model calls
 __all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "settle", "state_size", "work_size")
@@ -52,7 +52,6 @@ CHANGED = 0.05  # of the internal step: a step that differs by more is taken by 
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
 IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
 BEHIND_FRONT = 1.2  # by how much they grow from one to the next
-SOME = 1e-300  # m: a doubt without numbers would be none
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
 
@@ -120,7 +119,7 @@ def set_off(parts, p, time, state, work):
     start_clock(state, time)
     load_at_start(parts, problem, view, state, top)
     if state[header.LOAD] >= 1.0:
-        state[header.ERROR_TIME] = time
+        state[header.ERROR_TIME], state[header.ERROR_SIZE] = time, state[header.LOAD]
         return header.TOO_WEAK
     open_audit(parts.audit, parts, problem, view, state, top)
     state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
@@ -439,10 +438,11 @@ def _stays(parting, parts, p, problem, view, state, work, course, time, done):
 def _part_now(parting, parts, p, problem, view, state, work, course, time, done):
     """The cable parts `done` after the communication step began: what is left of it, and rates that go with its new lower end."""
     _winding(parts.winch, parts, problem, view, state, course, done)
-    anything = drop(view, state)
-    note(state, PARTS, time + done, max(state[header.MESH_LENGTH], SOME))
-    if not anything:
+    length = state[header.MESH_LENGTH]
+    if not drop(view, state):
+        note(state, ALL_GONE, time + done, length)
         return header.OK
+    note(state, PARTS, time + done, state[header.MESH_LENGTH])
     parts = in_water_at(parts, course, time, done)
     view = cut(parts, p, state, work)
     problem = left(parts.parting, build(parts, p, 0.0), p, state)

@@ -14,6 +14,7 @@ from cable_model.kernels.header import (
     NOT_LET_GO,
     OK,
     PAID_OUT,
+    PARTED,
     SHORTEST,
     STEP,
     STREAM,
@@ -177,9 +178,22 @@ def _hear(state, inputs, at_end):
 
 
 @kernel
+def _is_driven(p, state, path):
+    """Whether inputs move the lower end; of one that has gone with its cable nothing is followed."""
+    if p[0].lower_end.driven == 0.0:
+        return False
+    if state[PARTED] == 0.0:
+        return True
+    for i in range(path.shape[0]):
+        for k in range(3):
+            path[i, LOWER_END.column + k] = 0.0
+    return False
+
+
+@kernel
 def follow_inputs(order, p, state, inputs, h, end, path):
     """The path over a step of h that inputs (22,) ask for, given at its start or, by top.inputs_at, at its end; `end` (9,) is scratch."""
-    driven = p[0].lower_end.driven > 0.0
+    driven = _is_driven(p, state, path)
     streams = p[0].water.current_input > 0.0
     _hear(state, inputs, p[0].top.inputs_at > 0.0)
     if p[0].top.inputs_at > 0.0:
@@ -195,7 +209,7 @@ def follow_ends(p, state, start, end, h, path):
     quintic(start[0:9], end[0:9], h, path, UPPER_END.column)
     wind(state[PAID_OUT], start[9], end[9], h, path)
     given = LOWER_END.given
-    if p[0].lower_end.driven > 0.0:
+    if _is_driven(p, state, path):
         quintic(start[given : given + 9], end[given : given + 9], h, path, LOWER_END.column)
     if p[0].water.current_input > 0.0:
         for k in range(2):
@@ -300,6 +314,9 @@ def start_ends(order, p, state, inputs):
         state[KEPT_STREAM + k] = 0.0
     for k in range(INPUTS, INPUT_STEPS + KEPT):
         state[k] = 0.0
+    state[CUT] = 0.0
+    state[PARTED] = 0.0
+    _hear(state, inputs, False)
     if p[0].top.inputs_at > 0.0:
         _keep_newest(order, state, inputs)
     state[CLOSING] = 0.0

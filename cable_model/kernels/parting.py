@@ -6,7 +6,7 @@ the nodes above, which keep places and velocities, and gets rates that go with i
 
 A cable is cut at the node that is nearest to the place; where sections meet there is one.  It breaks where the tension, as outputs would
 tell it, is largest over what the cable bears: at a node, or at an end.  When is found on the line between the ends of the internal step in
-which that happens, which is then taken again, only so far.  Of two cells or less nothing is left that could be simulated: then all of it
+which that happens, which is then taken again, only so far.  Less than two cells cannot be simulated: where no more would be left all of it
 has gone, and the top is free.
 """
 
@@ -62,7 +62,7 @@ left = by_presence(_as_built, _as_left)  # the problem, with the length of what 
 def open_parting(p, state):
     """Begin with a whole cable."""
     state[header.NODES] = p[0].solver.nodes
-    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.CUT, header.LOAD, header.FRONT):
+    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.LOAD, header.FRONT):
         state[k] = 0.0
 
 
@@ -155,7 +155,8 @@ def _largest_load(parts, problem, mesh, y, like, s):
 def load_at_start(parts, problem, view, state, like):
     """Of the state: the tensions are those that `starting_rates` has left."""
     if parts.parting is not None and problem.numbers[0].cable.breaking_tension > 0.0:
-        state[header.LOAD], _ = _largest_load(parts, problem, view.mesh, view.y, like, view.scratch)
+        state[header.LOAD], node = _largest_load(parts, problem, view.mesh, view.y, like, view.scratch)
+        state[header.ERROR_NODE] = node
 
 
 @kernel
@@ -235,7 +236,7 @@ def drop(view, state):
     state[header.PARTS_AT] = 0.0
     cells = view.mesh.shape[0]
     n = cells + 1
-    if first > cells - CELLS - 1:
+    if first > cells - CELLS:
         first = cells
     gone = 0.0
     for i in range(first):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from cable_model.kernels.ends import horizon
 from cable_model.kernels.fluid import current_motion, flows
-from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, LOWER_WATCH, PENDING, STEP, STEPS, STREAM, SUNK, TIME, TOP, WATCH
+from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, LOWER_WATCH, PARTED, PENDING, STEP, STEPS, STREAM, SUNK, TIME, TOP, WATCH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
@@ -17,7 +17,7 @@ from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, un
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS = range(14, 25)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS, ALL_GONE = range(14, 26)
 # of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
 TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
@@ -104,7 +104,7 @@ def watch_start(state, inputs):
 def watch_inputs(order, p, state, inputs, step):
     """Compare the inputs (22,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
-    if p[0].lower_end.driven > 0.0:
+    if p[0].lower_end.driven > 0.0 and state[PARTED] == 0.0:
         _watch_end(LOWER_END, TO_LOWER, LOWER_JUMP, order, p, state, inputs, step)
     state[SPAN] = step
 

@@ -176,6 +176,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     state_size, work_size, points = kernels.state_size, kernels.work_size, kernels.points
     ok, again, parting = header.OK, host_trials.AGAIN, header.PARTING
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
+    k_driven = Parts._fields.index("driven")
     of_current, of_history, of_waves, of_curve, of_pieces, of_bodies = TABLES.values()
 
     def entry(
@@ -251,7 +252,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 if what == START:
                     exchange.start_exchange(state, outputs)
                 elif steps:
-                    exchange.end_exchange(parts.driven is not None, state, step, outputs)
+                    exchange.end_exchange(present[k_driven] != 0.0, state, step, outputs)
             if tries:
                 status = host_trials.judge(in_space, numbers, status, state, outputs, room, path)
         if tells_points:

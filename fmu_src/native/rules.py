@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_model.condition import Case, Condition, Given
+from cable_model.condition import CHANGED, Case, Condition, Given
 from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, INSTEAD, PARAMETERS, STAGGERED, Effect
 from cable_model.errors import ParameterError
 from cable_model.model import Model
@@ -101,10 +101,22 @@ class Rules:
     def refusals(self) -> list[Refusal]:
         """The rules that join several values, and what a grid does not have."""
         found = []
-        for condition, name, text in (*self._joined(), *self._grids()):
-            if name in self._place:
-                found += [Refusal(tuple(sorted(case)), self._place[name], text) for case in self._cases(condition, CHAIN)]
+        for rule in RULES:
+            if rule.name in self._place:
+                text = f"{rule.must}. {rule.remedy}"
+                found += [Refusal(tuple(sorted(case)), self._place[rule.name], text) for case in self._cases(rule.broken, CHAIN)]
+        for condition, effect, grid in self._grids():
+            for case in self._cases(condition, CHAIN):
+                name = self._named(effect, case)
+                if name in self._place:
+                    text = self.tail(str(grid_refusal(effect, self.base, grid, name)))
+                    found.append(Refusal(tuple(sorted(case)), self._place[name], text))
         return found
+
+    def _named(self, effect: Effect, case: Case) -> str:
+        """The value that a case of an effect is about."""
+        of_case = (name for name in effect.because if any(self._place.get(name) == variable % CHANGED for variable, _ in case))
+        return next(of_case, effect.because[-1])
 
     def start_rules(self) -> list[AtStart]:
         """The rules of the inputs at the start."""
@@ -116,16 +128,13 @@ class Rules:
         ]
 
     @staticmethod
-    def _joined() -> Iterator[tuple[Condition, str, str]]:
-        for rule in RULES:
-            yield rule.broken, rule.name, f"{rule.must}. {rule.remedy}"
-
-    def _grids(self) -> Iterator[tuple[Condition, str, str]]:
+    def _grids() -> Iterator[tuple[Condition, Effect, str]]:
+        """When an effect is refused on a grid that has it not."""
         for effect in EFFECTS:
             for grid, chosen in ((BOX, ON_BOX), (STAGGERED, ~ON_BOX)):
                 condition = refused_on(effect, grid)
                 if condition is not None:
-                    yield condition & chosen, effect.because[-1], Rules.tail(str(grid_refusal(effect, self.base, grid)))
+                    yield condition & chosen, effect, grid
 
     @functools.cached_property
     def _excluded(self) -> list[set[tuple[int, bool]]]:
@@ -159,9 +168,7 @@ class Rules:
 
     def _reason(self, effect: Effect, case: Case, told: list[Case]) -> Reason:
         """The words of one of the cases in which an effect is told: the value that decides on it."""
-        name = decides(effect, self.base)
-        if len(told) > 1:
-            name = next(name for name in effect.because if any(self._place[name] == variable for variable, _ in case))
+        name = decides(effect, self.base) if len(told) == 1 else self._named(effect, case)
         if name not in self._place:
             return Reason(case, f"{effect.words} ({why(effect, self.base, self.model)})", -1, "")
         unit = field_of(name).metadata["unit"]
