@@ -96,7 +96,6 @@ class CableSlave(Fmi2Slave):
         self._boolean = self._starts("Boolean")
         self._phase = Phase.INSTANTIATED
         self._experiment = Experiment()
-        self._inputs = np.zeros(len(INPUTS))
         self._outdated = True
         self._model: Model | None = None
         self._doubts = 0
@@ -150,11 +149,10 @@ class CableSlave(Fmi2Slave):
         if not math.isfinite(current_time):
             raise refuse("communication point", float(current_time), "s", "finite", "Give the time at which the step begins.")
         begun = clock.thread_time()
-        self._inputs[:] = self._input_values()
         model = self._initialized
         self._experiment.check(current_time, Model._positive(step_size))
         try:
-            model.step(current_time, step_size, self._inputs)
+            model.step(current_time, step_size, self._input_values())
         except SolverError:
             self._phase = Phase.FAILED
             raise
@@ -192,14 +190,14 @@ class CableSlave(Fmi2Slave):
             return
         self._model = None
         model = self._made(self._parameters())
-        model.initialize(np.array(self._input_values()), self._experiment.start)
+        model.initialize(self._input_values(), self._experiment.start)
         self._model = model
         self._keep_outputs(model)
         self._outdated = False
 
-    def _input_values(self) -> list[float]:
+    def _input_values(self) -> np.ndarray:
         real, boolean = self._real, self._boolean
-        return [real[vr] if vr in real else float(boolean[vr]) for vr in _INPUTS]
+        return np.array([real[vr] if vr in real else float(boolean[vr]) for vr in _INPUTS])
 
     def _keep_outputs(self, model: Model) -> None:
         self._real.update(zip(_OUTPUTS, model.outputs.tolist(), strict=True))
@@ -336,8 +334,7 @@ class CableSlave(Fmi2Slave):
     @_guarded
     def _get_fmu_state(self) -> bytes:
         parameters = np.array([float(value) for value in self._parameters().values()])
-        known = self._boolean | self._real
-        numbers = np.array([*self._experiment.numbers(), *(float(known[vr]) for vr in _VALUES)])
+        numbers = np.array([*self._experiment.numbers(), *map(float, map((self._boolean | self._real).__getitem__, _VALUES))])
         model = np.zeros(0) if self._model is None else self._model.state
         return pack(SavedState(self._phase, numbers, parameters, model), self._build())
 

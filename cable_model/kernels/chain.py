@@ -3,22 +3,11 @@
 import math
 
 from cable_model.kernels import grid, header
-from cable_model.kernels.audit import count_step, open_audit, reopen_audit
+from cable_model.kernels.audit import open_audit
 from cable_model.kernels.build import build
-from cable_model.kernels.cells import of_cell
-from cable_model.kernels.chain_ends import (
-    Course,
-    accelerations_on,
-    an_end_leaves_plane,
-    closing_velocities,
-    end_rates,
-    ends_on,
-    held_place,
-    in_water_at,
-    move_ends,
-)
-from cable_model.kernels.chain_outputs import in_axes, outputs, points, winding_now
-from cable_model.kernels.choice import by_presence
+from cable_model.kernels.chain_ends import Course, an_end_leaves_plane, end_rates, held_place, move_ends
+from cable_model.kernels.chain_outputs import outputs, points, winding_now
+from cable_model.kernels.chain_step import FADING, accept, local_error, note_worst, try_step, winding_at
 from cable_model.kernels.clock import start_clock
 from cable_model.kernels.error_control import (
     GROWTH,
@@ -30,18 +19,17 @@ from cable_model.kernels.error_control import (
     judge,
     see_motion,
 )
-from cable_model.kernels.exchange import TO_LOWER, add_averaged, begin_exchange
+from cable_model.kernels.exchange import begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
+from cable_model.kernels.fronts import TINY_STEP, follow_front, natural_step, next_step, part
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
-from cable_model.kernels.parting import breaks, drop, due, has_gone, left, load_at_start, note_event, open_parting, parts_now
-from cable_model.kernels.path import WINCH, Ends, arrival, winch_turns
-from cable_model.kernels.pending import build_bridge, equal_step, followed, is_short, wait
+from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, note_event, open_parting, parts_now
+from cable_model.kernels.path import WINCH, arrival, winch_turns
+from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
-from cable_model.kernels.staggered_step import Winding
-from cable_model.kernels.vector import sub
-from cable_model.kernels.watch import ALL_GONE, PARTS, note, open_bottom
+from cable_model.kernels.watch import open_bottom
 
 # what a model calls
 __all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "settle", "state_size", "work_size")
@@ -49,16 +37,6 @@ __all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
-FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
-IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
-BEHIND_FRONT = 1.2  # by how much they grow from one to the next
-TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
-
-
-@kernel
-def _natural_step(p, cable):
-    """The longest internal step, but at most the time in which the cable swings."""
-    return min(p[0].solver.time_step, math.sqrt(cable.length / max(cable.gravity, 1e-3)))
 
 
 @kernel
@@ -89,7 +67,7 @@ def settle(parts, p, time, state, work):
     status = grid.equilibrium(parts.box, parts, problem, p, view, top, held, time)
     if status == header.OK:
         return status
-    _note_worst(view.scratch.x, state)
+    note_worst(view.scratch.x, state)
     state[header.ERROR_TIME] = time
     depth = open_bottom(parts.finite_depth, parts.seabed, parts.waves)
     if depth > 0.0 and state[header.TOP + 2] - problem.cable.length < -depth:
@@ -122,7 +100,7 @@ def set_off(parts, p, time, state, work):
         state[header.ERROR_TIME], state[header.ERROR_SIZE] = time, state[header.LOAD]
         return header.TOO_WEAK
     open_audit(parts.audit, parts, problem, view, state, top)
-    state[header.SHORTEST] = TINY_STEP * _natural_step(p, problem.cable)
+    state[header.SHORTEST] = TINY_STEP * natural_step(p, problem.cable)
     return header.OK
 
 
@@ -133,137 +111,8 @@ def release(parts, p, time, state, work):
     if status == header.OK:
         view = cut(parts, p, state, work)
         problem = build(parts, p, 0.0)
-        _follow_front(parts, p, problem, view.mesh, state)
+        follow_front(parts, p, problem, view.mesh, state)
     return status
-
-
-@kernel
-def _follow_front(parts, p, problem, mesh, state):
-    """Begin with steps that resolve the front that runs up from an end which is suddenly free, and let them grow slowly.
-
-    In steps longer than its way through a cell the end overshoots what it should get; and a cable that goes slack does not push it back:
-    it would fly off at several times its speed.
-    """
-    shortest = p[0].solver.time_step
-    for i in range(mesh.shape[0]):
-        own = of_cell(parts.sections, parts, problem, mesh, i).cable
-        shortest = min(shortest, IN_FRONT * mesh[i, 0] * math.sqrt(own.mass / own.stiffness))
-    state[header.NEXT_STEP] = max(shortest, TINY_STEP * _natural_step(p, problem.cable))
-    state[header.FRONT] = 1.0
-
-
-@kernel
-def _next_step(state, h, used):
-    """The longest internal step after one of `used`, where steps of h were aimed at and the end of the communication step cut them."""
-    if state[header.FRONT] > 0.0:
-        return min(GROWTH * used, BEHIND_FRONT * h)
-    return GROWTH * used
-
-
-@kernel
-def _no_winding(winch, parts, problem, view, state, course, time):
-    return Winding(problem.cable.length, 0.0, 0.0)
-
-
-@kernel
-def _wind_to(winch, parts, problem, view, state, course, time):
-    paid_out, speed, acceleration = followed(course.path, course.span, course.bridge, course.pending, time, WINCH)
-    length = problem.cable.length + paid_out
-    grid.change_length(parts.box, view, length / state[header.MESH_LENGTH])
-    state[header.MESH_LENGTH] = length
-    return Winding(length, speed / length, acceleration / length)
-
-
-_winding = by_presence(_no_winding, _wind_to)  # gives the mesh the length that the cable has at `time` of its course
-
-
-@kernel
-def _shift(state, ahead, h):
-    """From the time of the rates kept to that of the rates before a step of h, whose member has them `ahead` h after its ends."""
-    last = state[header.STEP]
-    if last == 0.0:
-        return 0.0
-    if state[header.OFFSET] == ahead * last:
-        return ahead * (h - last)
-    return ahead * h - state[header.OFFSET]
-
-
-@kernel
-def _try_step(parts, p, problem, view, state, c, time, course, done, h, tiny, least):
-    """One internal step from time + done; returns the Newton iterations or a negative status.  `least`: see _drawn_to, not below it."""
-    averaged = done + (1.0 - c.alpha_k) * h
-    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
-    parts = in_water_at(parts, course, time, averaged)
-    last = state[header.STEP]
-    shift = _shift(state, c.alpha_m - c.alpha_k, h)
-    reach = h / last if last >= tiny else 0.0
-    size = view.y.size  # one run over all of an array, which the compiler does several numbers at a time
-    yd0, yd, ydd = view.yd0.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
-    for i in range(size):
-        yd0[i] = yd[i] + shift * ydd[i]
-    before, _ = ends_on(parts, course, done)
-    after, velocities = ends_on(parts, course, done + h)
-    velocities = closing_velocities(parts, p, view, velocities, before, max(h, FADING * state[header.DRIFT_STEP], least))
-    return grid.newton_step(parts.box, parts, problem, view, c, time + done, h, reach, before.top, after.top, velocities, winding)
-
-
-@kernel
-def _count(parts, problem, view, state, c, time, course, done, h):
-    averaged = done + (1.0 - c.alpha_k) * h
-    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
-    parts = in_water_at(parts, course, time, averaged)
-    before, slower = ends_on(parts, course, done)
-    after, faster = ends_on(parts, course, done + h)
-    force = grid.mean_forces(parts.box, parts, problem, view, c, time + done, h, before, after, winding)
-    late, gap = (0.5 - c.alpha_k) * h, h - c.alpha_k * h + state[header.LAG]
-    middle = add_averaged(0, state, in_axes(parts.space, force.top, 0.0), late, gap, h, done, course.span)
-    if parts.driven is not None:
-        add_averaged(TO_LOWER, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
-    gained = Ends(sub(faster.top, slower.top), sub(faster.lower, slower.lower))
-    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, gained, middle)
-
-
-@kernel
-def _accept(parts, problem, view, state, c, time, course, done, h, tiny):
-    grid.keep(parts.box, parts, problem, view, vector_at(parts, state, header.TOP), h)
-    size = view.y.size
-    y, yd, ydd = view.y.reshape(size), view.yd.reshape(size), view.ydd.reshape(size)
-    y1, yd0, yd1 = view.y1.reshape(size), view.yd0.reshape(size), view.yd1.reshape(size)
-    if not tiny:
-        for i in range(size):
-            ydd[i] = (yd1[i] - yd0[i]) / h
-    _count(parts, problem, view, state, c, time, course, done, h)
-    for i in range(size):
-        y[i] = y1[i]
-        yd[i] = yd1[i]
-
-
-@kernel
-def _local_error(parts, problem, view, state, c, time, course, done, h):
-    """Accelerations, m/s2: what the truncation error of the step just tried from time + done amounts to; the motion's own, rms."""
-    first = abs(c.gamma + c.alpha_m - c.alpha_k - 0.5)
-    second = abs(0.5 * (c.gamma * (1.0 - c.gamma) + c.alpha_k * (1.0 - c.alpha_k) - c.alpha_m * (1.0 - c.alpha_m)) - 1.0 / 24.0)
-    share, reach = (first, 0.0) if first > 1e-12 else (second, h)
-    averaged = done + (1.0 - c.alpha_k) * h
-    winding = _winding(parts.winch, parts, problem, view, state, course, averaged)
-    parts = in_water_at(parts, course, time, averaged)
-    before, _ = ends_on(parts, course, done)
-    after, _ = ends_on(parts, course, done + h)
-    miss, moving = grid.rate_error(parts.box, parts, problem, view, c, time + done, h, reach, before.top, after.top, winding)
-    return share * miss, moving
-
-
-@kernel
-def _note_worst(x, state):
-    """Where the last Newton change was largest, and how large; a change that is not a number is the worst."""
-    state[header.ERROR_SIZE] = 0.0
-    for i in range(x.shape[0]):
-        for k in range(x.shape[1]):
-            if not abs(x[i, k]) <= state[header.ERROR_SIZE]:
-                state[header.ERROR_SIZE] = abs(x[i, k])
-                state[header.ERROR_NODE] = i
-                if x[i, k] != x[i, k]:
-                    return
 
 
 @kernel
@@ -317,7 +166,7 @@ def advance(parts, p, time, span, path, state, work):
     done = -pending
     if begins:
         done = state[header.PARTS_AFTER]
-        status = _part(parts.parting, parts, p, problem, view, state, work, course, time, done)
+        status = part(parts.parting, parts, p, problem, view, state, work, course, time, done)
         if status != header.OK or has_gone(parts.parting, state):
             _go_on_alone(state, time, span, path, parts)
             return status
@@ -328,7 +177,7 @@ def advance(parts, p, time, span, path, state, work):
         begin_exchange(state)
     tolerance = p[0].solver.tolerance
     gravity = problem.cable.gravity
-    longest = _natural_step(p, problem.cable)
+    longest = natural_step(p, problem.cable)
     smallest = SMALLEST_STEP * p[0].solver.time_step
     base = equal_step(p[0].solver.time_step, state[header.STEP], pending, span)
     allowed = allowed_error(state, tolerance, gravity)
@@ -364,11 +213,11 @@ def advance(parts, p, time, span, path, state, work):
         to_solve = problem
         if tolerance > 0.0:  # what Newton's method leaves must not look like a truncation error
             to_solve = with_tolerance(problem, min(problem.numeric.tolerance, SOLVED * allowed * used), problem.numeric.rounding)
-        status = _try_step(parts, p, to_solve, view, state, c, time, course, done, used, tiny, longest if tolerance > 0.0 else 0.0)
+        status = try_step(parts, p, to_solve, view, state, c, time, course, done, used, tiny, longest if tolerance > 0.0 else 0.0)
         if status < 0:
             state[header.REJECTED] += 1.0
             state[header.ERROR_TIME] = time + done
-            _note_worst(view.scratch.x, state)
+            note_worst(view.scratch.x, state)
             h = 0.25 * used
             if h < smallest:
                 return header.STEP_TOO_SMALL
@@ -377,7 +226,7 @@ def advance(parts, p, time, span, path, state, work):
         if tolerance > 0.0:
             factor = growth(0.25)
             if state[header.STEPS] > 0.0:
-                error, moving = _local_error(parts, problem, view, state, c, time, course, done, used)
+                error, moving = local_error(parts, problem, view, state, c, time, course, done, used)
                 see_motion(state, moving, gravity)
                 allowed = allowed_error(state, tolerance, gravity)
                 factor, again, trials = judge(state, error, allowed, used, smallest, trials)
@@ -388,7 +237,7 @@ def advance(parts, p, time, span, path, state, work):
             kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
             proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
         elif used < base:
-            proposal = min(base, _next_step(state, h, used)) if status <= 8 else used
+            proposal = min(base, next_step(state, h, used)) if status <= 8 else used
         if not breaking:
             broken = breaks(parts.parting, parts, problem, view, state, c, done, used, vector_at(parts, state, header.TOP))
             if broken.time < until:
@@ -396,7 +245,7 @@ def advance(parts, p, time, span, path, state, work):
                 state[header.REJECTED] += 1.0
                 h = used
                 continue
-        _accept(parts, problem, view, state, c, time, course, done, used, used < tiny)
+        accept(parts, problem, view, state, c, time, course, done, used, used < tiny)
         state[header.STEP] = used
         state[header.LAG_BEFORE] = state[header.LAG]
         state[header.LAG] = c.alpha_k * used
@@ -430,46 +279,9 @@ def _go_on_alone(state, time, span, path, parts):
 
 
 @kernel
-def _stays(parting, parts, p, problem, view, state, work, course, time, done):
-    return header.OK
-
-
-@kernel
-def _part_now(parting, parts, p, problem, view, state, work, course, time, done):
-    """The cable parts `done` after the communication step began: what is left of it, and rates that go with its new lower end."""
-    _winding(parts.winch, parts, problem, view, state, course, done)
-    length = state[header.MESH_LENGTH]
-    if not drop(view, state):
-        note(state, ALL_GONE, time + done, length)
-        return header.OK
-    note(state, PARTS, time + done, state[header.MESH_LENGTH])
-    parts = in_water_at(parts, course, time, done)
-    view = cut(parts, p, state, work)
-    problem = left(parts.parting, build(parts, p, 0.0), p, state)
-    winding = _winding(parts.winch, parts, problem, view, state, course, done)
-    places, velocities = ends_on(parts, course, done)
-    accelerations = accelerations_on(parts, course, done)
-    status = grid.starting_rates(parts.box, parts, problem, p, view, places.top, velocities, accelerations, winding, time + done)
-    if status != header.OK:
-        state[header.ERROR_TIME] = time + done
-        return status
-    size = view.ydd.size
-    change = view.ydd.reshape(size)
-    for i in range(size):
-        change[i] = 0.0
-    _follow_front(parts, p, problem, view.mesh, state)
-    load_at_start(parts, problem, view, state, places.top)
-    reopen_audit(parts.audit, parts, problem, view, state, places.top)
-    return header.OK
-
-
-_part = by_presence(_stays, _part_now)
-
-
-@kernel
 def _go_on(parts, problem, view, state, time, span, path):
     """Clock, ends and winch at the end of the path."""
-    _winding(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
+    winding_at(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
     paid_out, speed, acceleration = arrival(path, WINCH)
     state[header.PAID_OUT] = paid_out
     state[header.WINCH_SPEED] = speed

@@ -39,6 +39,7 @@ from fmu_src.entries import (
     WORK,
     Variant,
 )  # fmt: skip
+from fmu_src.native.reshape import RESHAPE
 from fmu_src.native.targets import LINUX, Target
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -58,48 +59,6 @@ int32_t {{name}}(int64_t *status, void **error, int64_t what, double time, doubl
                const double *numbers, const double *present,
                {_ROWS}
                double *state, int64_t state_size, double *work, int64_t work_size, double *outputs);
-"""
-
-# numba's views of the arrays, which are all contiguous, ask for this function
-RESHAPE = """
-define i32 @numba_attempt_nocopy_reshape(
-    i64 %n, ptr %sizes, ptr %strides, i64 %new_n, ptr %new_sizes, ptr %new_strides, i64 %item, i32 %fortran
-) {
-check:
-  %by_rows = icmp eq i32 %fortran, 0
-  br i1 %by_rows, label %old, label %impossible
-old:
-  %rest = phi i64 [ %n, %check ], [ %j, %dense ]
-  %wanted = phi i64 [ %item, %check ], [ %above, %dense ]
-  %unseen = icmp sgt i64 %rest, 0
-  br i1 %unseen, label %dense, label %next
-dense:
-  %j = sub i64 %rest, 1
-  %stride_of_j = getelementptr i64, ptr %strides, i64 %j
-  %stride = load i64, ptr %stride_of_j
-  %size_of_j = getelementptr i64, ptr %sizes, i64 %j
-  %size_j = load i64, ptr %size_of_j
-  %above = mul i64 %wanted, %size_j
-  %as_wanted = icmp eq i64 %stride, %wanted
-  br i1 %as_wanted, label %old, label %impossible
-next:
-  %left = phi i64 [ %new_n, %old ], [ %k, %axis ]
-  %span = phi i64 [ %item, %old ], [ %wider, %axis ]
-  %more = icmp sgt i64 %left, 0
-  br i1 %more, label %axis, label %done
-axis:
-  %k = sub i64 %left, 1
-  %stride_of_k = getelementptr i64, ptr %new_strides, i64 %k
-  store i64 %span, ptr %stride_of_k
-  %size_of_k = getelementptr i64, ptr %new_sizes, i64 %k
-  %size = load i64, ptr %size_of_k
-  %wider = mul i64 %span, %size
-  br label %next
-done:
-  ret i32 1
-impossible:
-  ret i32 0
-}
 """
 
 

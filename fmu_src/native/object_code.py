@@ -25,6 +25,7 @@ _MADE_BY = (
     "fmu_src/entries.py",
     "fmu_src/native/export.py",
     "fmu_src/native/presence.py",
+    "fmu_src/native/reshape.py",
     "cable_model/calls.py",
     "cable_model/effects.py",
     "cable_model/signals.py",

@@ -1,0 +1,86 @@
+"""What happens in an instant: an end that is suddenly free, and the front that runs up from it; a cable that parts."""
+
+import math
+
+from cable_model.kernels import grid, header
+from cable_model.kernels.audit import reopen_audit
+from cable_model.kernels.build import build
+from cable_model.kernels.cells import of_cell
+from cable_model.kernels.chain_ends import accelerations_on, ends_on, in_water_at
+from cable_model.kernels.chain_step import winding_at
+from cable_model.kernels.choice import by_presence
+from cable_model.kernels.error_control import GROWTH
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.layout import cut
+from cable_model.kernels.parting import drop, left, load_at_start
+from cable_model.kernels.watch import ALL_GONE, PARTS, note
+
+IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
+BEHIND_FRONT = 1.2  # by how much they grow from one to the next
+TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
+
+
+@kernel
+def natural_step(p, cable):
+    """The longest internal step, but at most the time in which the cable swings."""
+    return min(p[0].solver.time_step, math.sqrt(cable.length / max(cable.gravity, 1e-3)))
+
+
+@kernel
+def follow_front(parts, p, problem, mesh, state):
+    """Begin with steps that resolve the front that runs up from an end which is suddenly free, and let them grow slowly.
+
+    In steps longer than its way through a cell the end overshoots what it should get; and a cable that goes slack does not push it back:
+    it would fly off at several times its speed.
+    """
+    shortest = p[0].solver.time_step
+    for i in range(mesh.shape[0]):
+        own = of_cell(parts.sections, parts, problem, mesh, i).cable
+        shortest = min(shortest, IN_FRONT * mesh[i, 0] * math.sqrt(own.mass / own.stiffness))
+    state[header.NEXT_STEP] = max(shortest, TINY_STEP * natural_step(p, problem.cable))
+    state[header.FRONT] = 1.0
+
+
+@kernel
+def next_step(state, h, used):
+    """The longest internal step after one of `used`, where steps of h were aimed at and the end of the communication step cut them."""
+    if state[header.FRONT] > 0.0:
+        return min(GROWTH * used, BEHIND_FRONT * h)
+    return GROWTH * used
+
+
+@kernel
+def _stays(parting, parts, p, problem, view, state, work, course, time, done):
+    return header.OK
+
+
+@kernel
+def _part_now(parting, parts, p, problem, view, state, work, course, time, done):
+    """The cable parts `done` after the communication step began: what is left of it, and rates that go with its new lower end."""
+    winding_at(parts.winch, parts, problem, view, state, course, done)
+    length = state[header.MESH_LENGTH]
+    if not drop(view, state):
+        note(state, ALL_GONE, time + done, length)
+        return header.OK
+    note(state, PARTS, time + done, state[header.MESH_LENGTH])
+    parts = in_water_at(parts, course, time, done)
+    view = cut(parts, p, state, work)
+    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    winding = winding_at(parts.winch, parts, problem, view, state, course, done)
+    places, velocities = ends_on(parts, course, done)
+    accelerations = accelerations_on(parts, course, done)
+    status = grid.starting_rates(parts.box, parts, problem, p, view, places.top, velocities, accelerations, winding, time + done)
+    if status != header.OK:
+        state[header.ERROR_TIME] = time + done
+        return status
+    size = view.ydd.size
+    change = view.ydd.reshape(size)
+    for i in range(size):
+        change[i] = 0.0
+    follow_front(parts, p, problem, view.mesh, state)
+    load_at_start(parts, problem, view, state, places.top)
+    reopen_audit(parts.audit, parts, problem, view, state, places.top)
+    return header.OK
+
+
+part = by_presence(_stays, _part_now)
