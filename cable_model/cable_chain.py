@@ -23,7 +23,7 @@ class CableChain(Model):
 
     def arc_lengths(self) -> np.ndarray:
         columns = 2 if self.parts.sections is None else 3
-        left = self._node_count() if self.parts.parting is None else int(self.state[header.NODES])
+        left = self._node_count() if self.parts.parting is None else int(self.state[header.NODES]) or self._node_count()
         cells = self.state[header.HEADER :][: columns * (left - 1) : columns]  # the mesh comes first, see kernels.layout
         gone = np.zeros(self._node_count() - left + 1)
         return np.concatenate((gone, np.cumsum(cells)))

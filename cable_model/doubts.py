@@ -130,7 +130,7 @@ def under_a_given_motion(scene: Any) -> Iterator[str]:
         )
     if is_on(BY_NAME["parting"], scene, scene.run.model):
         cut = scene.parting
-        if cut.by_input:
+        if cut.by_input and cut.time == 0.0:
             yield (
                 "parting.by_input = true in a run without a host: nothing cuts the cable. "
                 "Give parting.time, or couple the host that does by the FMU."

@@ -91,7 +91,7 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "winch.paid_out": ("m", "cable that the winch has paid out since the start", 10.0, _NONE),
     "water.elevation": ("m", "height of the waves over still water at the top's place", 1.0, _PLACES),
     "cable.parted": ("1", "0: the cable is whole, 1: a part has gone from its lower end up, 2: all of it has", 1.0, _NONE),
-    "cable.remaining_length": ("m", "unstretched length of cable below the top", 100.0, _NONE),
+    "cable.remaining_length": ("m", "unstretched length of cable below the top", 100.0, _PLACES),
     "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
 }
 _OF_PROFILES = {  # one value a point of the cable

@@ -11,6 +11,7 @@ from cable_model.calls import FASTEST_END, TOO_FAST
 from cable_model.effects import GOING
 from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
 from cable_model.kernels.jit import for_kernels
+from cable_model.kernels.parting import is_whole
 from cable_model.kernels.path import COLUMNS, ROWS, fastest_end
 from cable_model.signals import OUTPUTS
 
@@ -98,7 +99,7 @@ class JustInTime:
 
     def _now(self) -> Any:
         """The parts that there are now, or after this call has begun."""
-        return self._left if self.state[header.PARTED] > 0.0 or self.state[header.PARTS_AT] > 0.0 else self._parts
+        return self._parts if self._parts.parting is None or is_whole(self.state) else self._left
 
     def points(self, even: bool, at: np.ndarray) -> None:
         told = np.zeros(len(OUTPUTS))

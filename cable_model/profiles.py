@@ -23,8 +23,15 @@ class Profiles:
 
     @cached_property
     def curvatures(self) -> np.ndarray:
-        """Curvature (k, n), 1/m, see `curvature`."""
-        return curvature(self.positions)
+        """Curvature (k, n), 1/m, see `curvature`; nodes that have gone from a cable that has parted have that of its end, or 0."""
+        nodes = self.positions.shape[1]
+        made = np.zeros((len(self.positions), nodes))
+        gone = np.sum(self.arc_lengths[:, 1:] == 0.0, axis=1)
+        for count in np.unique(gone[gone < nodes - 1]):
+            rows = gone == count
+            left = curvature(self.positions[rows, count:])
+            made[rows] = np.concatenate((np.repeat(left[:, :1], count, axis=1), left), axis=1)
+        return made
 
     def tables(self) -> Iterator[np.ndarray]:
         """A table (n, 7) of each moment, by the columns of facts.PROFILE."""

@@ -119,8 +119,8 @@ def test_values_that_do_not_go_together_are_refused(changes, text):
         (top(ay=-np.inf), "top.ay = -inf m/s2: must be finite. Check what is connected to this input."),
         (
             np.zeros(8),
-            "inputs = (8,): must be (9,), (10,), (19,) or (21,). "
-            "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current all 21.",
+            "inputs = (8,): must be (9,), (10,), (19,), (21,) or (22,). "
+            "Give position, velocity and acceleration of the top; with a winch its speed, a driven lower end 19, a current 21, or all.",
         ),
     ],
     ids=["nan", "inf", "-inf", "shape"],

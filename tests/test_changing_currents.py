@@ -203,4 +203,4 @@ def test_what_is_not_there_adds_nothing():
     plain = current_motion(Parts(current=levels), place, t)
     parts = Parts(current=levels, stream=Stream(0.0, 0.0, 0.0, 0.0, t), current_ramp=Ramp(0.0, 10.0), wave_ramp=Ramp(0.0, 0.0))
     assert current_motion(parts, place, t) == plain
-    assert INPUTS[19:] == ("water.current_x", "water.current_y")
+    assert INPUTS[19:21] == ("water.current_x", "water.current_y")

@@ -69,7 +69,7 @@ def test_outputs_at_the_start_depend_on_what_changes_them(fmu: Fmu):
     assert list(told) == [row.name for row in table() if row.causality == "output"]
     key = {"CableChain": "chain", "TowCable": "tow"}[fmu.path.stem]
     found: dict[str, set[str]] = {name: set() for name in OUTPUTS}
-    start = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1, 0.0, *[0.0] * 11])
+    start = np.array([0.0, 0.0, -1.0, 0.1, 0.0, 0.2, 0.1, 0.0, 0.1, 0.0, *[0.0] * 12])
     base = {"top.motion_order": 2, "current.speed": 0.5, **({"solver.nodes": 11} if key == "chain" else {})}
     driven = {"lower_end.anchored": True, "lower_end.driven": True, "solver.space": True}
     driven |= {f"body.{name}": 0.0 for name in ("mass", "volume", "drag_area", "added_mass")}
@@ -78,7 +78,12 @@ def test_outputs_at_the_start_depend_on_what_changes_them(fmu: Fmu):
     for scene in scenes:
         plain = instance_outputs(fmu, base | scene, start)
         for k, name in enumerate(INPUTS):
-            lacking = {"lower.": scene is not driven, "water.": scene is not flowing, "winch.": "winch.fitted" not in scene}
+            lacking = {
+                "lower_end.": True,
+                "lower.": scene is not driven,
+                "water.": scene is not flowing,
+                "winch.": "winch.fitted" not in scene,
+            }
             across = key == "tow" and name in ("top.vy", "water.current_y") and "solver.space" not in scene
             if across or any(name.startswith(part) for part, absent in lacking.items() if absent):
                 continue  # refused

@@ -100,7 +100,7 @@ def test_a_table_with_a_part_of_the_lower_ends_inputs_is_refused():
     with pytest.raises(ParameterError, match=r"^a: has no column lower\.vx\. Give --scene for the motion\.$"):
         rows_of_inputs(Path("a"), columns, np.column_stack([np.arange(3.0), np.zeros((3, 13))]))
     _, inputs = rows_of_inputs(Path("a"), columns[:11], np.column_stack([np.arange(3.0), np.ones((3, 10))]))
-    assert np.array_equal(inputs, np.repeat([[1.0] * 10 + [0.0] * 11], 3, axis=0))
+    assert np.array_equal(inputs, np.repeat([[1.0] * 10 + [0.0] * 12], 3, axis=0))
 
 
 def test_the_first_command_of_the_readme_simulates_both_models(fmus: dict[str, Fmu], tmp_path):

@@ -143,6 +143,7 @@ def test_every_parameter_reaches_the_scene():
         needs["seabed.laid_from_anchor"] = {
             "seabed.stiffness": 1e5, "seabed.friction_coefficient": 0.5, "lower_end.anchored": True, "body.mass": 0.0
         }  # fmt: skip
+        needs["parting.place"] = {"parting.time": 1.0}
         needs["current.ramp_time"] = {"current.speed": 0.5}
         needs["wave.ramp_time"] = {"wave.amplitude": 0.5}
         needs["tow.as_printed"] = {"solver.space": False}

@@ -26,7 +26,7 @@ SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
     "chain": (
         {}, SEA, MOORED, {"cable.compressible": True}, {"cable.quadratic_damping": 1e4}, {**SEA, "solver.space": True},
         {"solver.tolerance": 1e-3, "solver.time_step": 0.05}, {"winch.fitted": True}, {**MOORED, "solver.space": True},
-        {"solver.grid": 1},
+        {"solver.grid": 1}, {"cable.breaking_tension": 4500.0}, {"parting.time": 1.0, "parting.place": 40.0},
         {"body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0, "body.added_mass": 0.0},
         {**MOORED, "lower_end.x": 0.0, "lower_end.z": 0.0},
     ),
@@ -53,14 +53,13 @@ def others(row: Variable, value: Any) -> list[Any]:
 
 
 def outputs(fmu: Fmu, values: dict[str, Any]) -> np.ndarray:
-    """Outputs of a few steps with the winch turning, and a current by inputs, where they are asked for.
+    """Outputs of a few steps with the winch turning, a current by inputs, and an end let go, where they are asked for.
 
     Raises FMICallException where the FMU refuses the values.
     """
     instance = fmu.instance()
-    given = [0.05] if values.get("winch.fitted") else [0.0]
-    if values.get("water.current_input"):
-        given += [0.0] * 9 + [0.3, 0.0]
+    given = [0.05 if values.get("winch.fitted") else 0.0, *[0.0] * 9]
+    given += [0.3 if values.get("water.current_input") else 0.0, 0.0, float(values.get("parting.by_input", False))]
     try:
         instance.initialize(values, [*sway(0.0), *given])
         rows = [instance.step(k * STEP, STEP, [*sway(k * STEP), *given]) for k in range(STEPS)]

@@ -211,6 +211,75 @@ def test_what_hangs_breaks_at_its_top_where_the_tension_is_largest(nodes):
     assert run["top.tension"][~gone].max() == pytest.approx(bears, rel=0.02)
 
 
+@pytest.mark.parametrize("sliver", [1e-4, 2e-3])
+def test_a_front_is_resolved_whatever_the_communication_steps(sliver):
+    """One that is short, after the cut or just before its end: neither lets the next one be long, nor all the next ones short."""
+    wire = {
+        "cable": {"length": 100.0, "mass_per_length": 3.0, "axial_stiffness": 5e7, "axial_damping": 2e5, **MAY_PART},
+        "lower_end": {"anchored": True, "x": -60.0, "z": -80.17},
+    }
+    speeds, steps = [], []
+    even = every(0.02, 0.3)
+    for times in (even, np.sort([*even, 0.1 + sliver]), np.sort([*even[even != 0.1], 0.1 + sliver]), even):
+        model = make(wire, solver__nodes=41, solver__time_step=0.02, solver__lambda_infinity=-0.5, parting__time=0.1)
+        run = drive(model, times, still())
+        speeds.append(np.hypot(run["body.vx"][-1], run["body.vz"][-1]))
+        steps.append(run["solver.steps"][-1])
+    assert speeds == pytest.approx([speeds[0]] * 4, rel=0.01)
+    assert max(steps) < 1.5 * min(steps)
+
+
+def test_a_cable_that_a_winch_has_paid_out_may_lose_more_than_it_had():
+    model = make(
+        MOORING, cable__length=30.0, lower_end__x=-10.0, lower_end__z=-25.0, winch__fitted=True, parting__time=13.0, parting__place=30.0
+    )
+
+    def paying_out(t):
+        inputs = np.zeros(10)
+        inputs[9] = 8.0
+        return inputs
+
+    run = drive(model, every(0.1, 20.0), paying_out)
+    assert run["winch.paid_out"][-1] == pytest.approx(160.0, rel=1e-9)
+    gone = 30.0 + 160.0 - run["cable.remaining_length"][-1]
+    assert gone == pytest.approx(7 * (30.0 + 13.0 * 8.0) / 30.0, rel=1e-6)  # to the seventh node of 31
+    assert gone > 30.0
+    inputs = np.zeros(10)
+    inputs[9] = -30.0
+    for k in range(20):
+        model.step(20.0 + 0.1 * k, 0.1, inputs)
+    with pytest.raises(SolverError, match="the winch hauled in the whole cable"):
+        for k in range(60):
+            model.step(22.0 + 0.1 * k, 0.1, inputs)
+
+
+def test_what_is_cut_from_a_free_end_is_a_cell_at_least():
+    model = make({**MOORING, "lower_end": {}}, parting__time=0.2, parting__place=1.0, solver__grading=1.0)
+    run = drive(model, every(0.1, 0.4), still())
+    assert run["cable.remaining_length"][-1] == pytest.approx(100.0 - 100.0 / 30.0)
+
+
+def test_profiles_of_what_is_left_are_its_own():
+    """A straight cable has no curvature, where it was cut neither."""
+    model = make({**MOORING, "lower_end": {}}, parting__time=0.2, parting__place=40.0)
+    run = simulate(model, 0.4, 0.1)
+    along = run.profiles()
+    assert np.abs(along.curvatures).max() < 1e-9
+    assert along.arc_lengths[-1, -1] == pytest.approx(run["cable.remaining_length"][-1])
+
+
+def test_a_cable_breaks_again_where_it_still_bears_too_little():
+    sections = [{"length": 40.0, "breaking_tension": 2e4}, {"length": 60.0, "breaking_tension": 5e4}]
+    rope = {"mass_per_length": 1.0, "axial_stiffness": 1e6, "axial_damping": 1e4, "section": sections}
+    scene = {"cable": rope, "lower_end": {"anchored": True, "z": -100.5}, "parting": {"time": 3.0, "place": 100.0}, "solver": {"nodes": 26}}
+    model = make(scene, solver__time_step=0.01)
+    run = drive(model, every(0.05, 4.0), lambda t: np.array([0.0, 0.0, t**3, 0.0, 0.0, 3.0 * t**2, 0.0, 0.0, 6.0 * t]))
+    assert sorted({round(float(left), 6) for left in run["cable.remaining_length"]}) == [0.0, 60.0, 100.0]
+    first, second = model.warnings()[-2:]
+    assert first.startswith("cable parted at t = ") and "with 60 m left above" in first
+    assert second.startswith("cable parted at its top at t = 3 s with 60 m below")
+
+
 @pytest.mark.parametrize("nodes", [3, 4])
 def test_of_a_few_cells_what_can_be_simulated_is_left(nodes):
     rope = {"cable": {"length": 40.0, "mass_per_length": 2.0, "axial_stiffness": 1e6, "axial_damping": 1e4}, "body": {"mass": 50.0}}
@@ -281,6 +350,8 @@ def test_the_audit_of_a_cable_that_is_cut_closes():
     swing = lambda t: np.array([0.5 * t**3, 0.0, 0.0, 1.5 * t**2, 0.0, 0.0, 3.0 * t, 0.0, 0.0])  # noqa: E731
     run = drive(model, every(0.05, 2.0), swing)
     assert run["cable.parted"][-1] == 1.0
+    kinetic = 0.5 * 4.0 * 60.0 * 4.0**2  # J, of what is left at 4 m/s, more than it gets
+    assert model.audit.exchanged < 4.0 * 9.81 * 60.0 * 20.0 + kinetic
     assert np.abs(run["audit.energy"]).max() < 0.01 * model.audit.exchanged
     assert run["audit.momentum"].max() < 0.01 * model.audit.forces
 

@@ -165,14 +165,14 @@ def test_every_variable_has_its_unit_and_meaning(run):
     units = {"x": "m", "y": "m", "z": "m", "vx": "m/s", "vy": "m/s", "vz": "m/s", "ax": "m/s2", "ay": "m/s2", "az": "m/s2"}
     units |= {"time": "s", "arc_length": "m", "curvature": "1/m", "declination": "rad", "growth": "1/s", "energy": "J", "speed": "m/s",
               "current_x": "m/s", "current_y": "m/s", "bending_moment_max": "N.m", "suspended_length": "m", "touchdown_x": "m",
-              "touchdown_y": "m", "touchdown_z": "m", "paid_out": "m", "elevation": "m"}  # fmt: skip
+              "touchdown_y": "m", "touchdown_z": "m", "paid_out": "m", "elevation": "m", "remaining_length": "m", "let_go": ""}  # fmt: skip
     for name, variable in made.variables.items():
         key = name.rpartition(".")[2]
         force = "force" in key or "tension" in key or key == "momentum"
         assert variable.attrs["units"] == ("N" if force else units.get(key, "1")), name
         assert variable.attrs["long_name"]
     counted = {name for name, variable in made.variables.items() if variable.attrs["units"] == "1"}
-    assert counted == {"cable.slack_fraction", "solver.steps", "solver.newton_iterations", "solver.rejected_steps"}
+    assert counted == {"cable.slack_fraction", "solver.steps", "solver.newton_iterations", "solver.rejected_steps", "cable.parted"}
     fmus = {row.name: (row.unit, row.description) for row in table()}
     assert all(fmus[name] == (made[name].attrs["units"], made[name].attrs["long_name"]) for name in (*INPUTS, *OUTPUTS))
 

@@ -65,7 +65,8 @@ open_audit = by_presence(_no_account, _open)  # at the start, with the cable in 
 @kernel
 def _reopen(audit, parts, problem, view, state, top):
     kinetic, potential, strained = stored(parts, problem, view.mesh, view.y, top)
-    state[START] += kinetic + potential + strained - state[STORED]
+    begun = state[START] + state[START + 1] + state[START + 2] + kinetic + potential + strained - state[STORED]
+    state[START], state[START + 1], state[START + 2] = begun - potential - strained, potential, strained
     state[GAP] = 0.0
 
 

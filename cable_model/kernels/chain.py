@@ -22,10 +22,10 @@ from cable_model.kernels.error_control import (
 from cable_model.kernels.exchange import begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
-from cable_model.kernels.fronts import TINY_STEP, follow_front, natural_step, next_step, part
+from cable_model.kernels.fronts import TINY_STEP, aim_behind_front, follow_front, natural_step, part
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
-from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, note_event, open_parting, parts_now
+from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, lost, note_event, open_parting, parts_now
 from cable_model.kernels.path import WINCH, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
@@ -36,6 +36,7 @@ __all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "
 
 LEAST_LENGTH = 0.01  # of the cable at the start, that the winch must leave
 SMALLEST_STEP = 1e-6  # of the base step, before a step is given up
+EASY = 8  # Newton iterations of a step after which the next may be longer
 CHANGED = 0.05  # of the internal step: a step that differs by more is taken by family.coefficients_of_change
 
 
@@ -45,8 +46,9 @@ def initialize(parts, p, time, state, work):
     status = settle(parts, p, time, state, work)
     if status != header.OK:
         return status
-    if parts.slack is not None and p[0].lower_end.release_force != 0.0:
-        return release(parts, p, time, state, work)
+    if parts.slack is not None:  # a cable that may be pressed takes back what its end overshoots
+        if p[0].lower_end.release_force != 0.0:
+            return release(parts, p, time, state, work)
     return set_off(parts, p, time, state, work)
 
 
@@ -86,7 +88,7 @@ def set_off(parts, p, time, state, work):
     problem = build(parts, p, 0.0)
     top = vector_at(parts, state, header.TOP)
     state[header.MESH_LENGTH] = problem.cable.length
-    winding = winding_now(parts.winch, problem, state)
+    winding = winding_now(parts.winch, parts, problem, state)
     velocities, accelerations = end_rates(parts, state, 3), end_rates(parts, state, 6)
     status = grid.starting_rates(parts.box, parts, problem, p, view, top, velocities, accelerations, winding, time)
     if status != header.OK:
@@ -95,7 +97,7 @@ def set_off(parts, p, time, state, work):
         for k in range(view.y.shape[1]):
             view.ydd[i, k] = 0.0
     start_clock(state, time)
-    load_at_start(parts, problem, view, state, top)
+    load_at_start(parts.parting, parts, problem, view, state, top)
     if state[header.LOAD] >= 1.0:
         state[header.ERROR_TIME], state[header.ERROR_SIZE] = time, state[header.LOAD]
         return header.TOO_WEAK
@@ -116,12 +118,13 @@ def release(parts, p, time, state, work):
 
 
 @kernel
-def _winch_refused(winch, path, length):
+def _winch_refused(winch, parts, p, path, state):
     """Whether the path asks for a winch that is not there, or for more cable than there is."""
     if winch is None:
         return header.NO_WINCH if winch_turns(path) else header.OK
     paid_out, _, _ = arrival(path, WINCH)
-    return header.OK if length + paid_out > LEAST_LENGTH * length else header.HAULED_IN
+    length = p[0].cable.length
+    return header.OK if length - lost(parts.parting, state) + paid_out > LEAST_LENGTH * length else header.HAULED_IN
 
 
 @kernel
@@ -137,11 +140,11 @@ def advance(parts, p, time, span, path, state, work):
     parts = in_water_now(parts, p, state)
     if has_gone(parts.parting, state):
         begin_exchange(state)
-        _go_on_alone(state, time, span, path, parts)
+        _go_on_alone(parts, state, time, span, path)
         return header.OK
     view = cut(parts, p, state, work)
-    problem = left(parts.parting, build(parts, p, 0.0), p, state)
-    refused = _winch_refused(parts.winch, path, problem.cable.length)
+    problem = left(parts.parting, build(parts, p, 0.0), state)
+    refused = _winch_refused(parts.winch, parts, p, path, state)
     if refused != header.OK:
         state[header.ERROR_TIME] = time
         return refused
@@ -153,7 +156,7 @@ def advance(parts, p, time, span, path, state, work):
     pending = state[header.PENDING]
     total = pending + span
     begins = parts_now(parts.parting, state)
-    event = due(parts.parting, p, problem, view, state, time, span)
+    event = due(parts.parting, parts, p, view, state, time, span)
     if not begins and event.time > span and is_short(state, total, state[header.STEP]):
         wait(state, span, path)
         _go_on(parts, problem, view, state, time, span, path)
@@ -167,12 +170,15 @@ def advance(parts, p, time, span, path, state, work):
     if begins:
         done = state[header.PARTS_AFTER]
         status = part(parts.parting, parts, p, problem, view, state, work, course, time, done)
-        if status != header.OK or has_gone(parts.parting, state):
-            _go_on_alone(state, time, span, path, parts)
+        if status != header.OK:
             return status
+        if has_gone(parts.parting, state):
+            state[header.PENDING] = 0.0
+            _go_on_alone(parts, state, time, span, path)
+            return header.OK
         view = cut(parts, p, state, work)
-        problem = left(parts.parting, build(parts, p, 0.0), p, state)
-        event = due(parts.parting, p, problem, view, state, time, span)
+        problem = left(parts.parting, build(parts, p, 0.0), state)
+        event = due(parts.parting, parts, p, view, state, time, span)
     else:
         begin_exchange(state)
     tolerance = p[0].solver.tolerance
@@ -184,9 +190,9 @@ def advance(parts, p, time, span, path, state, work):
     h = base
     if tolerance > 0.0:
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[0].solver.time_step
-    elif 0.0 < state[header.NEXT_STEP] < base:
+    elif state[header.FRONT] > 0.0 or 0.0 < state[header.NEXT_STEP] < base:
         h = state[header.NEXT_STEP]
-    if tolerance == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
+    if tolerance == 0.0 and state[header.FRONT] == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
         h = GROWTH * state[header.STEP]
     trials = Trials(0.0, 0.0)
     steps = 0
@@ -199,7 +205,7 @@ def advance(parts, p, time, span, path, state, work):
             return header.TOO_MANY_STEPS
         rest = until - done
         tiny = TINY_STEP * (h if tolerance > 0.0 else longest)
-        used = h
+        used = h if tolerance > 0.0 else min(h, base)
         if used >= rest * (1.0 - 1e-9):
             used = rest
         elif tolerance > 0.0:  # equal steps: every change of the step excites what it does not resolve
@@ -225,7 +231,7 @@ def advance(parts, p, time, span, path, state, work):
         proposal = base
         if tolerance > 0.0:
             factor = growth(0.25)
-            if state[header.STEPS] > 0.0:
+            if state[header.STEP] > 0.0:  # not at the start, nor where the cable has parted: one difference of rates is no error
                 error, moving = local_error(parts, problem, view, state, c, time, course, done, used)
                 see_motion(state, moving, gravity)
                 allowed = allowed_error(state, tolerance, gravity)
@@ -236,11 +242,15 @@ def advance(parts, p, time, span, path, state, work):
                     continue
             kept = h if used < tiny else min(h, 2.0 * used) if used < h else 0.0
             proposal = min(p[0].solver.time_step, max(used * factor, kept, smallest))
+        elif status > EASY and used < base:
+            proposal = used
+        elif state[header.FRONT] > 0.0:
+            proposal = aim_behind_front(p, state, h, used)
         elif used < base:
-            proposal = min(base, next_step(state, h, used)) if status <= 8 else used
+            proposal = min(base, GROWTH * used)
         if not breaking:
             broken = breaks(parts.parting, parts, problem, view, state, c, done, used, vector_at(parts, state, header.TOP))
-            if broken.time < until:
+            if broken.time <= until:
                 event, until, breaking = broken, broken.time, True
                 state[header.REJECTED] += 1.0
                 h = used
@@ -258,33 +268,25 @@ def advance(parts, p, time, span, path, state, work):
     if event.time <= span:
         note_event(state, event, breaking)
         return header.PARTING
-    state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base else 0.0
-    if state[header.NEXT_STEP] == 0.0:
-        state[header.FRONT] = 0.0
+    state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base or state[header.FRONT] > 0.0 else 0.0
     state[header.PENDING] = 0.0
     _go_on(parts, problem, view, state, time, span, path)
     return header.OK
 
 
 @kernel
-def _go_on_alone(state, time, span, path, parts):
-    """The same for the ends of a cable of which nothing is left."""
+def _go_on_alone(parts, state, time, span, path):
+    """Clock, ends and winch at the end of the path."""
     paid_out, speed, acceleration = arrival(path, WINCH)
     state[header.PAID_OUT] = paid_out
     state[header.WINCH_SPEED] = speed
     state[header.WINCH_ACCELERATION] = acceleration
-    state[header.PENDING] = 0.0
     state[header.TIME] = time + span
     move_ends(parts, path, state)
 
 
 @kernel
 def _go_on(parts, problem, view, state, time, span, path):
-    """Clock, ends and winch at the end of the path."""
+    """The same for what there is of the cable, which a winch makes longer."""
     winding_at(parts.winch, parts, problem, view, state, Course(path, span, view.bridge, 0.0), span)
-    paid_out, speed, acceleration = arrival(path, WINCH)
-    state[header.PAID_OUT] = paid_out
-    state[header.WINCH_SPEED] = speed
-    state[header.WINCH_ACCELERATION] = acceleration
-    state[header.TIME] = time + span
-    move_ends(parts, path, state)
+    _go_on_alone(parts, state, time, span, path)

@@ -6,12 +6,12 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
-from cable_model.kernels.extent import PARTED, tell_elevation, tell_whole
+from cable_model.kernels.extent import HAS_PARTED, tell_elevation, tell_whole
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.layout import cut, led_on, vector_at
-from cable_model.kernels.parting import has_gone, left
+from cable_model.kernels.parting import has_gone, left, lost
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import axpy, dot, mix
@@ -19,13 +19,13 @@ from cable_model.kernels.watch import watch_outputs, watch_set_off
 
 
 @kernel
-def _fixed_length(winch, problem, state):
+def _fixed_length(winch, parts, problem, state):
     return Winding(problem.cable.length, 0.0, 0.0)
 
 
 @kernel
-def _wound_length(winch, problem, state):
-    length = problem.cable.length + state[header.PAID_OUT]
+def _wound_length(winch, parts, problem, state):
+    length = problem.numbers[0].cable.length - lost(parts.parting, state) + state[header.PAID_OUT]
     return Winding(length, state[header.WINCH_SPEED] / length, state[header.WINCH_ACCELERATION] / length)
 
 
@@ -56,7 +56,7 @@ def points(parts, p, state, work, told, even, out):
             _tell_point(parts, state, at, 0.0, out[i])
         return
     parts = in_water_now(parts, p, state)
-    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    problem = left(parts.parting, build(parts, p, 0.0), state)
     view = _now(parts, p, state, work)
     grid.ready_tensions(parts.box, parts, problem, view, _tensions_ahead(p, state), at)
     m, cells = out.shape[0], view.mesh.shape[0]
@@ -95,11 +95,11 @@ def outputs(parts, p, state, work, out):
     if has_gone(parts.parting, state):
         _tell_nothing(parts, state, out)
         return
-    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    problem = left(parts.parting, build(parts, p, 0.0), state)
     view = _now(parts, p, state, work)
     ahead = _tensions_ahead(p, state)
     top = vector_at(parts, state, header.TOP)
-    winding = winding_now(parts.winch, problem, state)
+    winding = winding_now(parts.winch, parts, problem, state)
     force, t, tension, position, velocity, largest, smallest, slack, seen = grid.measure(
         parts.box, parts, problem, p, view, state[header.STEP], state[header.OFFSET], ahead, top, winding, state[header.TIME]
     )
@@ -117,7 +117,7 @@ def outputs(parts, p, state, work, out):
     tell_exchange(state, out)
     tell_whole(winding.length, state[header.PAID_OUT], out)
     if parts.parting is not None:
-        out[PARTED] = state[header.PARTED]
+        out[HAS_PARTED] = state[header.PARTED]
     grid.tell_extent(parts.box, parts, problem, view, top, out)
     tell_elevation(parts.waves, parts, state, out)
     watch_outputs(parts, p, state, out, seen)
@@ -145,7 +145,7 @@ def _tell_nothing(parts, state, out):
     _tell_counts(state, out)
     tell_exchange(state, out)
     tell_whole(0.0, state[header.PAID_OUT], out)
-    out[PARTED] = state[header.PARTED]
+    out[HAS_PARTED] = state[header.PARTED]
     tell_elevation(parts.waves, parts, state, out)
 
 

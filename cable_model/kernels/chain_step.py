@@ -8,6 +8,7 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import TO_LOWER, add_averaged
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import vector_at
+from cable_model.kernels.parting import lost
 from cable_model.kernels.path import WINCH, Ends
 from cable_model.kernels.pending import followed
 from cable_model.kernels.staggered_step import Winding
@@ -24,7 +25,7 @@ def _no_winding(winch, parts, problem, view, state, course, time):
 @kernel
 def _wind_to(winch, parts, problem, view, state, course, time):
     paid_out, speed, acceleration = followed(course.path, course.span, course.bridge, course.pending, time, WINCH)
-    length = problem.cable.length + paid_out
+    length = problem.numbers[0].cable.length - lost(parts.parting, state) + paid_out
     grid.change_length(parts.box, view, length / state[header.MESH_LENGTH])
     state[header.MESH_LENGTH] = length
     return Winding(length, speed / length, acceleration / length)

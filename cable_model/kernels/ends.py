@@ -3,6 +3,8 @@
 import math
 
 from cable_model.kernels.header import (
+    AT_END,
+    AT_START,
     CLOSING,
     CUT,
     ERROR_TIME,
@@ -18,6 +20,7 @@ from cable_model.kernels.header import (
     SHORTEST,
     STEP,
     STREAM,
+    WHOLE,
     WINCH_ACCELERATION,
     WINCH_SPEED,
 )
@@ -174,7 +177,7 @@ def refuse_inputs(p, time, state, inputs):
 def _hear(state, inputs, at_end):
     """What the input lower_end.let_go of a communication step says, which is given at its start or at its end."""
     if inputs[GIVEN_CUT] != 0.0 and state[CUT] == 0.0:
-        state[CUT] = 2.0 if at_end else 1.0
+        state[CUT] = AT_END if at_end else AT_START
 
 
 @kernel
@@ -182,7 +185,7 @@ def _is_driven(p, state, path):
     """Whether inputs move the lower end; of one that has gone with its cable nothing is followed."""
     if p[0].lower_end.driven == 0.0:
         return False
-    if state[PARTED] == 0.0:
+    if state[PARTED] == WHOLE:
         return True
     for i in range(path.shape[0]):
         for k in range(3):
@@ -315,7 +318,7 @@ def start_ends(order, p, state, inputs):
     for k in range(INPUTS, INPUT_STEPS + KEPT):
         state[k] = 0.0
     state[CUT] = 0.0
-    state[PARTED] = 0.0
+    state[PARTED] = WHOLE  # of the tow model too, whose lower end is never driven
     _hear(state, inputs, False)
     if p[0].top.inputs_at > 0.0:
         _keep_newest(order, state, inputs)

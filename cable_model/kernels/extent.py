@@ -14,7 +14,7 @@ from cable_model.kernels.vector import axpy, load, mix, norm, sub
 from cable_model.kernels.waves import elevation
 
 MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three
-PAID_OUT, ELEVATION, PARTED, REMAINING = 40, 41, 42, 43  # likewise
+PAID_OUT, ELEVATION, HAS_PARTED, REMAINING = 40, 41, 42, 43  # likewise
 CARRIED = 0.5  # of a node's weight, where the cable touches down
 
 
@@ -27,7 +27,7 @@ def tell_whole(length, paid_out, out):
     for k in range(3):
         out[TOUCHDOWN + k] = out[5 + k]
     out[PAID_OUT] = paid_out
-    out[PARTED] = 0.0
+    out[HAS_PARTED] = 0.0
     out[REMAINING] = length
 
 

@@ -9,7 +9,6 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.chain_ends import accelerations_on, ends_on, in_water_at
 from cable_model.kernels.chain_step import winding_at
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.error_control import GROWTH
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut
 from cable_model.kernels.parting import drop, left, load_at_start
@@ -42,11 +41,16 @@ def follow_front(parts, p, problem, mesh, state):
 
 
 @kernel
-def next_step(state, h, used):
-    """The longest internal step after one of `used`, where steps of h were aimed at and the end of the communication step cut them."""
-    if state[header.FRONT] > 0.0:
-        return min(GROWTH * used, BEHIND_FRONT * h)
-    return GROWTH * used
+def aim_behind_front(p, state, aim, used):
+    """The internal step to aim at after one of `used`, which may have been cut; it grows only by steps that were about as long as aimed at.
+
+    No more where it is as long as others: then the front is left to itself.
+    """
+    if used >= 0.5 * aim:
+        aim *= BEHIND_FRONT
+    if aim >= p[0].solver.time_step:
+        state[header.FRONT] = 0.0
+    return aim
 
 
 @kernel
@@ -65,7 +69,7 @@ def _part_now(parting, parts, p, problem, view, state, work, course, time, done)
     note(state, PARTS, time + done, state[header.MESH_LENGTH])
     parts = in_water_at(parts, course, time, done)
     view = cut(parts, p, state, work)
-    problem = left(parts.parting, build(parts, p, 0.0), p, state)
+    problem = left(parts.parting, build(parts, p, 0.0), state)
     winding = winding_at(parts.winch, parts, problem, view, state, course, done)
     places, velocities = ends_on(parts, course, done)
     accelerations = accelerations_on(parts, course, done)
@@ -78,7 +82,7 @@ def _part_now(parting, parts, p, problem, view, state, work, course, time, done)
     for i in range(size):
         change[i] = 0.0
     follow_front(parts, p, problem, view.mesh, state)
-    load_at_start(parts, problem, view, state, places.top)
+    load_at_start(parts.parting, parts, problem, view, state, places.top)
     reopen_audit(parts.audit, parts, problem, view, state, places.top)
     return header.OK
 

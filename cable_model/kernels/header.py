@@ -58,6 +58,9 @@ LOAD = 534  # the largest tension over the tension at which the cable breaks the
 FRONT = 535  # 1 while internal steps grow slowly, behind a front that runs up from an end which is suddenly free
 HEADER = 536
 
+WHOLE, SHORTER, ALL_LOST = 0.0, 1.0, 2.0  # of PARTED
+AT_START, AT_END, DONE = 1.0, 2.0, 3.0  # of CUT
+
 CELLS_OF_A_SECTION = 2  # at least
 SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little; what rules refuse at the start, and watch.py tells of
 

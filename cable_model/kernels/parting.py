@@ -15,14 +15,13 @@ from typing import NamedTuple
 from cable_model.kernels import header
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.header import ALL_LOST, AT_END, AT_START, DONE, SHORTER, WHOLE
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.problem import Cable, Numeric, Problem
+from cable_model.kernels.problem import shortened
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import floor
 from cable_model.kernels.staggered_chain import CELLS, end_tension, node_tension
 
-WHOLE, SHORTER, GONE = 0.0, 1.0, 2.0  # of the state's PARTED
-AT_START, AT_END, DONE = 1.0, 2.0, 3.0  # of its CUT
 NEVER = 1e300
 AT_ONCE = 1e-9  # of a communication step: times that are closer are the same
 
@@ -38,24 +37,32 @@ class Event(NamedTuple):
 
 
 @kernel
-def _as_built(parting, problem, p, state):
+def _as_built(parting, problem, state):
     return problem
 
 
 @kernel
-def _as_left(parting, problem, p, state):
-    old, numeric = problem.cable, problem.numeric
-    length = old.length - state[header.LOST]
-    cable = Cable(length, old.diameter, old.mass, old.stiffness, old.gravity, old.weight)
-    share = max(length, 0.0) / old.length
-    numeric = Numeric(
-        share * numeric.smoothing, numeric.hung, numeric.own, numeric.damping, numeric.voigt, numeric.bending, numeric.pull,
-        numeric.tolerance, numeric.rounding, numeric.blunt, numeric.turn, numeric.rests, numeric.stiffest, numeric.thinnest,
-    )  # fmt: skip
-    return Problem(cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
+def _as_left(parting, problem, state):
+    if state[header.PARTED] == WHOLE:
+        return problem
+    return shortened(problem, state[header.MESH_LENGTH])
 
 
 left = by_presence(_as_built, _as_left)  # the problem, with the length of what is left
+
+
+@kernel
+def lost(parting, state):
+    """Unstretched length that has gone, m."""
+    if parting is None:
+        return 0.0
+    return state[header.LOST]
+
+
+@kernel
+def is_whole(state):
+    """Whether what held the lower end is still there, or the body; no more in the call of `advance` that begins with parting."""
+    return state[header.PARTED] == WHOLE and state[header.PARTS_AT] == 0.0
 
 
 @kernel
@@ -71,19 +78,19 @@ def has_gone(parting, state):
     """Whether nothing of the cable is left."""
     if parting is None:
         return False
-    return state[header.PARTED] == GONE
+    return state[header.PARTED] == ALL_LOST
 
 
 # -- when it parts
 
 
 @kernel
-def _never(parting, p, problem, view, state, time, span):
+def _never(parting, parts, p, view, state, time, span):
     return Event(NEVER, 0)
 
 
 @kernel
-def _cut(parting, p, problem, view, state, time, span):
+def _cut(parting, parts, p, view, state, time, span):
     """The cut that is due in a communication step of `span` from `time`."""
     if state[header.CUT] == DONE:
         return Event(NEVER, 0)
@@ -93,12 +100,10 @@ def _cut(parting, p, problem, view, state, time, span):
     elif state[header.CUT] == AT_END:
         at = span
     if p[0].parting.time > 0.0:
-        planned = state[header.START] + p[0].parting.time - time
-        if planned > -AT_ONCE * span:
-            at = min(at, planned)
+        at = min(at, state[header.START] + p[0].parting.time - time)
     if at > span * (1.0 + AT_ONCE):
         return Event(NEVER, 0)
-    node = _nearest(problem, view, state, p[0].parting.place)
+    node = _nearest(parts, view, state, p[0].parting.place)
     if node < 0:
         return Event(NEVER, 0)
     if abs(at - span) <= AT_ONCE * span:
@@ -110,15 +115,18 @@ due = by_presence(_never, _cut)
 
 
 @kernel
-def _nearest(problem, view, state, place):
-    """The node nearest to a place, an unstretched length above the lower end of the whole cable; -1 where it has gone already."""
+def _nearest(parts, view, state, place):
+    """The node nearest to a place, an unstretched length above the lower end of the whole cable; -1 where it has gone already.
+
+    Of a free end it is not the lowest: there is nothing to be cut from it.
+    """
     arc = place - state[header.LOST]
     if arc < 0.0 or (arc == 0.0 and state[header.PARTED] != WHOLE):
         return -1
     below = 0.0
     for i in range(view.mesh.shape[0]):
         above = below + view.mesh[i, 0]
-        if arc < 0.5 * (below + above):
+        if arc < 0.5 * (below + above) and (i > 0 or parts.body is not None or parts.anchor is not None):
             return i
         below = above
     return view.mesh.shape[0]
@@ -152,11 +160,18 @@ def _largest_load(parts, problem, mesh, y, like, s):
 
 
 @kernel
-def load_at_start(parts, problem, view, state, like):
-    """Of the state: the tensions are those that `starting_rates` has left."""
-    if parts.parting is not None and problem.numbers[0].cable.breaking_tension > 0.0:
+def _no_load(parting, parts, problem, view, state, like):
+    return
+
+
+@kernel
+def _load(parting, parts, problem, view, state, like):
+    if problem.numbers[0].cable.breaking_tension > 0.0:
         state[header.LOAD], node = _largest_load(parts, problem, view.mesh, view.y, like, view.scratch)
         state[header.ERROR_NODE] = node
+
+
+load_at_start = by_presence(_no_load, _load)  # into the state, from the tensions that `starting_rates` has left
 
 
 @kernel
@@ -246,7 +261,7 @@ def drop(view, state):
     for k in (header.STEP, header.NEXT_STEP, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP, header.LAST_ERROR):
         state[k] = 0.0
     state[header.LOAD] = 0.0
-    state[header.PARTED] = GONE if first == cells else SHORTER
+    state[header.PARTED] = ALL_LOST if first == cells else SHORTER
     if first == cells:
         return False
     at = _keep_rows(state, header.HEADER, view.mesh, first, cells)

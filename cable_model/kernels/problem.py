@@ -78,6 +78,18 @@ def with_tolerance(problem, tolerance, rounding):
 
 
 @kernel
+def shortened(problem, length):
+    """The same problem with what is left of the cable; the width of the slack law goes with its weight."""
+    old, numeric = problem.cable, problem.numeric
+    cable = Cable(length, old.diameter, old.mass, old.stiffness, old.gravity, old.weight)
+    numeric = Numeric(
+        length / old.length * numeric.smoothing, numeric.hung, numeric.own, numeric.damping, numeric.voigt, numeric.bending, numeric.pull,
+        numeric.tolerance, numeric.rounding, numeric.blunt, numeric.turn, numeric.rests, numeric.stiffest, numeric.thinnest,
+    )  # fmt: skip
+    return Problem(cable, problem.medium, problem.body, numeric, problem.ground, problem.numbers)
+
+
+@kernel
 def density_of(water, p):
     """Of the water, kg/m3; 0 without any."""
     if water is None:

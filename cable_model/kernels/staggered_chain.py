@@ -39,7 +39,7 @@ def unwound(problem):
 def starting_rates(parts, problem, mesh, y, yd, contraction, y1, yd1, force, top, velocity, acceleration, winding, time, h, s):
     """Rates of change at the start, as the limit of a backward-difference step much shorter than h.
 
-    The cable is in place and at rest but for its ends, which already have their prescribed velocities.
+    The cable is in place, its ends have their prescribed velocities, and the rest moves as `y` has it, not at all at the start of a run.
     """
     n = mesh.shape[0] + 1
     store(y, 2 * n - 1, velocity.top)

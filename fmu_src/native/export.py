@@ -125,6 +125,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     from cable_model.calls import FASTEST_END, TOO_FAST
     from cable_model.effects import Parts
     from cable_model.kernels import ends, exchange, header, host, host_trials, instants, ringing, watch
+    from cable_model.kernels.parting import is_whole
     from cable_model.kernels.path import fastest_end
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
@@ -157,7 +158,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         )
         state = carray(y, (n_y,))
         whole = 1.0
-        if what != SIZES and what != START and (state[header.PARTED] > 0.0 or state[header.PARTS_AT] > 0.0):
+        if what != SIZES and what != START and not is_whole(state):
             whole = 0.0
         parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
         outputs = carray(out, (n_outputs,))
@@ -203,7 +204,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                 if outputs[0] <= FASTEST_END:
                     status = parting
                 while status == parting:
-                    whole = 0.0 if state[header.PARTED] > 0.0 or state[header.PARTS_AT] > 0.0 else 1.0
+                    whole = 1.0 if is_whole(state) else 0.0
                     parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
             if status == ok:

@@ -69,6 +69,8 @@ def _usual(row: Variable) -> float:
 def _condition(literals: Sequence[Literal] | None) -> str:
     if literals is None:
         return "{-1, {{0, 0}}}"
+    if len(literals) > LITERALS:
+        raise ValueError(f"{len(literals)} literals in a condition: must be <= {LITERALS}. Make room for more in Condition.")
     return f"{{{len(literals)}, {{{', '.join(f'{{{vr}, {int(on)}}}' for vr, on in literals) or '{0, 0}'}}}}}"
 
 
@@ -98,6 +100,7 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
     return f"{{{', '.join(facts)}}}"
 
 
+LITERALS = 4  # of a Condition
 NO_START_RULE = '{{-1, {{0, 0}}}, 0, 0, -1, 0.0, 0, "", ""}'  # C wants one at least
 
 

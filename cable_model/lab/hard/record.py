@@ -11,7 +11,6 @@ from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.kernels import header, layout
-from cable_model.kernels.parting import GONE
 from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
@@ -83,7 +82,7 @@ class _Watch:
         prescribed = self.motion(time, -1)[:3]
         at = model.positions()
         self.top_error = max(self.top_error, float(np.abs(at[-1] - prescribed).max()))
-        if model.parts.parting is not None and model.state[header.PARTED] == GONE:
+        if model.parts.parting is not None and model.state[header.PARTED] == header.ALL_LOST:
             self.drift.append(0.0)
             return
         now = layout.cut(model.parts, model.numbers, model.state, model._work)
