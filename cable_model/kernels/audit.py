@@ -19,6 +19,7 @@ from cable_model.kernels.exchange import TO_LOWER, TOLD
 from cable_model.kernels.header import AUDIT, LAG, STEPS
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import axes
+from cable_model.kernels.pending import ahead_to_end
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed_audit import bed_in_step
 from cable_model.kernels.staggered import FADING
@@ -81,8 +82,7 @@ def forces_at_end(parts, problem, view, state, c, time, h, top, lower):
     for i in range(n):
         for k in range(len(top)):
             view.scratch.a[i, k] = view.yd1[n + i, k] - offset * view.ydd[n + i, k]
-    lag = c.alpha_k * h
-    ahead = lag / (h - lag + state[LAG])
+    ahead = ahead_to_end(state, c, h)
     tensions_now(parts, problem, view.mesh, view.y1, view.force, view.force_old, ahead, top, view.scratch.cells)
     return end_forces(parts, problem, view.mesh, view.y1, view.scratch.a, top, lower, unwound(problem), time, view.scratch)
 

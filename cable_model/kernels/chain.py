@@ -46,9 +46,8 @@ def initialize(parts, p, time, state, work):
     status = settle(parts, p, time, state, work)
     if status != header.OK:
         return status
-    if parts.slack is not None:  # a cable that may be pressed takes back what its end overshoots
-        if p[0].lower_end.release_force != 0.0:
-            return release(parts, p, time, state, work)
+    if p[0].lower_end.release_force != 0.0:
+        return release(parts, p, time, state, work)
     return set_off(parts, p, time, state, work)
 
 
@@ -113,7 +112,16 @@ def release(parts, p, time, state, work):
     if status == header.OK:
         view = cut(parts, p, state, work)
         problem = build(parts, p, 0.0)
-        follow_front(parts, p, problem, view.mesh, state)
+        follow_front(parts.slack, parts, p, problem, view, state)
+    return status
+
+
+@kernel
+def _refused(parts, p, path, state, length):
+    """A status: whether the path asks for what is not there, or leaves the plane of a cable of this length."""
+    status = _winch_refused(parts.winch, parts, p, path, state)
+    if status == header.OK and an_end_leaves_plane(parts, path, state, length):
+        status = header.OUT_OF_PLANE
     return status
 
 
@@ -122,6 +130,8 @@ def _winch_refused(winch, parts, p, path, state):
     """Whether the path asks for a winch that is not there, or for more cable than there is."""
     if winch is None:
         return header.NO_WINCH if winch_turns(path) else header.OK
+    if has_gone(parts.parting, state):
+        return header.OK
     paid_out, _, _ = arrival(path, WINCH)
     length = p[0].cable.length
     return header.OK if length - lost(parts.parting, state) + paid_out > LEAST_LENGTH * length else header.HAULED_IN
@@ -138,19 +148,16 @@ def advance(parts, p, time, span, path, state, work):
     Where the cable parts within the step the status is PARTING, see parting.py: the rest is another call's, with what is left.
     """
     parts = in_water_now(parts, p, state)
+    refused = _refused(parts, p, path, state, p[0].cable.length)
+    if refused != header.OK:
+        state[header.ERROR_TIME] = time
+        return refused
     if has_gone(parts.parting, state):
         begin_exchange(state)
         _go_on_alone(parts, state, time, span, path)
         return header.OK
     view = cut(parts, p, state, work)
     problem = left(parts.parting, build(parts, p, 0.0), state)
-    refused = _winch_refused(parts.winch, parts, p, path, state)
-    if refused != header.OK:
-        state[header.ERROR_TIME] = time
-        return refused
-    if an_end_leaves_plane(parts, path, state, problem.cable.length):
-        state[header.ERROR_TIME] = time
-        return header.OUT_OF_PLANE
     steady = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     pending = state[header.PENDING]

@@ -9,13 +9,16 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.chain_ends import accelerations_on, ends_on, in_water_at
 from cable_model.kernels.chain_step import winding_at
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut
 from cable_model.kernels.parting import drop, left, load_at_start
+from cable_model.kernels.slack import floor
 from cable_model.kernels.watch import ALL_GONE, PARTS, note
 
 IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
 BEHIND_FRONT = 1.2  # by how much they grow from one to the next
+PRESSES = 2.0  # times what pulled there, at least: behind a front that is thrown back a cell is pressed by as much
 TINY_STEP = 1e-4  # of the base step, or of sqrt(L/g), or of what the error control proposed: over one, differences of rates are rounding
 
 
@@ -26,18 +29,33 @@ def natural_step(p, cable):
 
 
 @kernel
-def follow_front(parts, p, problem, mesh, state):
+def _comes_back(slack, parts, p, problem, view, state):
+    """Of a cable that may be pressed: what its end overshoots is pushed back."""
+    return
+
+
+@kernel
+def _front(slack, parts, p, problem, view, state):
     """Begin with steps that resolve the front that runs up from an end which is suddenly free, and let them grow slowly.
 
-    In steps longer than its way through a cell the end overshoots what it should get; and a cable that goes slack does not push it back:
-    it would fly off at several times its speed.
+    In steps longer than its way through a cell the end overshoots what it should get; and cells that go slack do not push it back: it
+    would fly off at several times its speed.  Where bending lets cells be pressed by as much, they do.
     """
+    mesh = view.mesh
     shortest = p[0].solver.time_step
     for i in range(mesh.shape[0]):
         own = of_cell(parts.sections, parts, problem, mesh, i).cable
         shortest = min(shortest, IN_FRONT * mesh[i, 0] * math.sqrt(own.mass / own.stiffness))
-    state[header.NEXT_STEP] = max(shortest, TINY_STEP * natural_step(p, problem.cable))
-    state[header.FRONT] = 1.0
+    lowest = of_cell(parts.sections, parts, problem, mesh, 0)
+    cells = p[0].solver.time_step / mesh[0, 0] * math.sqrt(lowest.cable.stiffness / lowest.cable.mass)
+    c = coefficients(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
+    kick = abs(1.0 - c.gamma - c.gamma * c.alpha_m / (1.0 - c.alpha_m))  # velocity after a step over its first acceleration times the step
+    if view.force[0] * max(PRESSES, 2.0 * kick * cells * cells) > floor(parts, lowest.numeric, mesh[0, 0]):
+        state[header.NEXT_STEP] = max(shortest, TINY_STEP * natural_step(p, problem.cable))
+        state[header.FRONT] = 1.0
+
+
+follow_front = by_presence(_comes_back, _front)
 
 
 @kernel
@@ -81,7 +99,7 @@ def _part_now(parting, parts, p, problem, view, state, work, course, time, done)
     change = view.ydd.reshape(size)
     for i in range(size):
         change[i] = 0.0
-    follow_front(parts, p, problem, view.mesh, state)
+    follow_front(parts.slack, parts, p, problem, view, state)
     load_at_start(parts.parting, parts, problem, view, state, places.top)
     reopen_audit(parts.audit, parts, problem, view, state, places.top)
     return header.OK

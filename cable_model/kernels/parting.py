@@ -17,6 +17,7 @@ from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import ALL_LOST, AT_END, AT_START, DONE, SHORTER, WHOLE
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.pending import ahead_to_end
 from cable_model.kernels.problem import shortened
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import floor
@@ -188,8 +189,7 @@ def _break(parting, parts, problem, view, state, c, done, h, like):
     if problem.numbers[0].cable.breaking_tension == 0.0:
         return Event(NEVER, 0)
     mesh, s = view.mesh, view.scratch
-    lag = c.alpha_k * h
-    ahead = lag / (h - lag + state[header.LAG])
+    ahead = ahead_to_end(state, c, h)
     for i in range(mesh.shape[0]):
         now = s.cells[i, 0]
         s.cells[i, 1] = now

@@ -100,3 +100,10 @@ def tensions_ahead(state, c):
     if last == 0.0:
         return 0.0
     return (lag + pending) / (last - lag + lag_before)
+
+
+@kernel
+def ahead_to_end(state, c, h):
+    """The same to the end of a step of h that is not taken yet: from its averaged time, over that from the step before's."""
+    lag = c.alpha_k * h
+    return lag / (h - lag + state[LAG])

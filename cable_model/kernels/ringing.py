@@ -15,7 +15,7 @@ import math
 
 from cable_model.kernels import watch
 from cable_model.kernels.exchange import GROWTH, MEAN, NEXT, TO_LOWER, TOLD
-from cable_model.kernels.header import LOWER_RINGING, PAID_OUT, RINGING
+from cable_model.kernels.header import LOWER_RINGING, PAID_OUT, PARTED, RINGING, WHOLE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.watch import LAST, RINGS, SPAN, note
@@ -155,7 +155,7 @@ def watch_ringing(p, state, inputs):
     top, last = state[RINGING : RINGING + KEPT], state[LAST : LAST + 9]
     _watch_end(UPPER_END, top, state[NEXT : NEXT + 3], state[TOLD : TOLD + 3], state[MEAN : MEAN + 3], last, p, state, inputs)
     state[GROWTH] = top[GROWS]
-    if p[0].lower_end.driven > 0.0:
+    if p[0].lower_end.driven > 0.0 and state[PARTED] == WHOLE:
         lower, at, mean, before = state[LOWER_RINGING : LOWER_RINGING + KEPT], TO_LOWER + TOLD, TO_LOWER + MEAN, watch.TO_LOWER + LAST
         force, last = state[at : at + 3], state[before : before + 9]
         _watch_end(LOWER_END, lower, force, force, state[mean : mean + 3], last, p, state, inputs)

@@ -9,7 +9,22 @@ from typing import NamedTuple
 
 from cable_model.kernels.ends import horizon
 from cable_model.kernels.fluid import current_motion, flows
-from cable_model.kernels.header import AUDIT, DOUBT, DOUBTS, LOWER_WATCH, PARTED, PENDING, STEP, STEPS, STREAM, SUNK, TIME, TOP, WATCH
+from cable_model.kernels.header import (
+    AUDIT,
+    DOUBT,
+    DOUBTS,
+    LOWER_WATCH,
+    PARTED,
+    PENDING,
+    STEP,
+    STEPS,
+    STREAM,
+    SUNK,
+    TIME,
+    TOP,
+    WATCH,
+    WHOLE,
+)
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
@@ -104,7 +119,7 @@ def watch_start(state, inputs):
 def watch_inputs(order, p, state, inputs, step):
     """Compare the inputs (22,) of a step with the last ones: top.motion_order `order` says which of them are given."""
     _watch_end(UPPER_END, 0, JUMP, order, p, state, inputs, step)
-    if p[0].lower_end.driven > 0.0 and state[PARTED] == 0.0:
+    if p[0].lower_end.driven > 0.0 and state[PARTED] == WHOLE:
         _watch_end(LOWER_END, TO_LOWER, LOWER_JUMP, order, p, state, inputs, step)
     state[SPAN] = step
 
