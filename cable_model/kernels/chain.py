@@ -22,10 +22,10 @@ from cable_model.kernels.error_control import (
 from cable_model.kernels.exchange import begin_exchange
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
-from cable_model.kernels.fronts import TINY_STEP, aim_behind_front, follow_front, natural_step, part
+from cable_model.kernels.fronts import TINY_STEP, aim_behind_front, follow_front, natural_step, set_off_again
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
-from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, lost, note_event, open_parting, parts_now
+from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, lose, lost, open_parting, resumes
 from cable_model.kernels.path import WINCH, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
@@ -152,8 +152,11 @@ def advance(parts, p, time, span, path, state, work):
     if refused != header.OK:
         state[header.ERROR_TIME] = time
         return refused
+    goes_on = resumes(parts.parting, state)
     if has_gone(parts.parting, state):
-        begin_exchange(state)
+        if not goes_on:
+            begin_exchange(state)
+        state[header.PENDING] = 0.0
         _go_on_alone(parts, state, time, span, path)
         return header.OK
     view = cut(parts, p, state, work)
@@ -162,9 +165,8 @@ def advance(parts, p, time, span, path, state, work):
     changing = coefficients_of_change(int(p[0].solver.integrator), p[0].solver.lambda_infinity)
     pending = state[header.PENDING]
     total = pending + span
-    begins = parts_now(parts.parting, state)
     event = due(parts.parting, parts, p, view, state, time, span)
-    if not begins and event.time > span and is_short(state, total, state[header.STEP]):
+    if not goes_on and event.time > span and is_short(state, total, state[header.STEP]):
         wait(state, span, path)
         _go_on(parts, problem, view, state, time, span, path)
         return header.OK
@@ -174,18 +176,11 @@ def advance(parts, p, time, span, path, state, work):
     build_bridge(state, view.bridge)
     course = Course(path, span, view.bridge, pending)
     done = -pending
-    if begins:
-        done = state[header.PARTS_AFTER]
-        status = part(parts.parting, parts, p, problem, view, state, work, course, time, done)
+    if goes_on:
+        done = state[header.RESUMES_AFTER]
+        status = set_off_again(parts.parting, parts, p, problem, view, state, course, time, done)
         if status != header.OK:
             return status
-        if has_gone(parts.parting, state):
-            state[header.PENDING] = 0.0
-            _go_on_alone(parts, state, time, span, path)
-            return header.OK
-        view = cut(parts, p, state, work)
-        problem = left(parts.parting, build(parts, p, 0.0), state)
-        event = due(parts.parting, parts, p, view, state, time, span)
     else:
         begin_exchange(state)
     tolerance = p[0].solver.tolerance
@@ -273,7 +268,8 @@ def advance(parts, p, time, span, path, state, work):
         h = proposal
         done = until if used == rest else done + used
     if event.time <= span:
-        note_event(state, event, breaking)
+        winding_at(parts.winch, parts, problem, view, state, course, done)
+        lose(parts.parting, view, state, time, event, breaking)
         return header.PARTING
     state[header.NEXT_STEP] = h if tolerance > 0.0 or h < base or state[header.FRONT] > 0.0 else 0.0
     state[header.PENDING] = 0.0

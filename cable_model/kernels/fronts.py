@@ -4,17 +4,14 @@ import math
 
 from cable_model.kernels import grid, header
 from cable_model.kernels.audit import reopen_audit
-from cable_model.kernels.build import build
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.chain_ends import accelerations_on, ends_on, in_water_at
 from cable_model.kernels.chain_step import winding_at
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import cut
-from cable_model.kernels.parting import drop, left, load_at_start
+from cable_model.kernels.parting import load_at_start
 from cable_model.kernels.slack import floor
-from cable_model.kernels.watch import ALL_GONE, PARTS, note
 
 IN_FRONT = 0.1  # of the time in which it runs through a cell: internal steps at a front
 BEHIND_FRONT = 1.2  # by how much they grow from one to the next
@@ -72,22 +69,14 @@ def aim_behind_front(p, state, aim, used):
 
 
 @kernel
-def _stays(parting, parts, p, problem, view, state, work, course, time, done):
+def _stays(parting, parts, p, problem, view, state, course, time, done):
     return header.OK
 
 
 @kernel
-def _part_now(parting, parts, p, problem, view, state, work, course, time, done):
-    """The cable parts `done` after the communication step began: what is left of it, and rates that go with its new lower end."""
-    winding_at(parts.winch, parts, problem, view, state, course, done)
-    length = state[header.MESH_LENGTH]
-    if not drop(view, state):
-        note(state, ALL_GONE, time + done, length)
-        return header.OK
-    note(state, PARTS, time + done, state[header.MESH_LENGTH])
+def _set_off_again(parting, parts, p, problem, view, state, course, time, done):
+    """Rates of what is left of a cable that has parted `done` after the communication step began: they go with its new lower end."""
     parts = in_water_at(parts, course, time, done)
-    view = cut(parts, p, state, work)
-    problem = left(parts.parting, build(parts, p, 0.0), state)
     winding = winding_at(parts.winch, parts, problem, view, state, course, done)
     places, velocities = ends_on(parts, course, done)
     accelerations = accelerations_on(parts, course, done)
@@ -105,4 +94,4 @@ def _part_now(parting, parts, p, problem, view, state, work, course, time, done)
     return header.OK
 
 
-part = by_presence(_stays, _part_now)
+set_off_again = by_presence(_stays, _set_off_again)

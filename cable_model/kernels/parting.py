@@ -1,8 +1,8 @@
 """A cable that parts: at a time or by an input where it is cut, or where it breaks.  What is below has gone, and the run goes on without.
 
-Within a communication step `advance` ends an internal step exactly where the cable parts, and says PARTING; whoever called it calls it
-again, with the parts that are left (effects.GOING are not), for the rest of the step.  That begins with `drop`: the state is cut down to
-the nodes above, which keep places and velocities, and gets rates that go with its new lower end.
+Within a communication step `advance` ends an internal step exactly where the cable parts, cuts the state down to the nodes above, which
+keep places and velocities (`lose`), and says PARTING; whoever called it calls it again, with the parts that are left (effects.GOING are
+not), for the rest of the step.  That begins with rates that go with the new lower end (fronts.set_off_again).
 
 A cable is cut at the node that is nearest to the place; where sections meet there is one.  It breaks where the tension, as outputs would
 tell it, is largest over what the cable bears: at a node, or at an end.  When is found on the line between the ends of the internal step in
@@ -22,6 +22,7 @@ from cable_model.kernels.problem import shortened
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import floor
 from cable_model.kernels.staggered_chain import CELLS, end_tension, node_tension
+from cable_model.kernels.watch import ALL_GONE, PARTS, note
 
 NEVER = 1e300
 AT_ONCE = 1e-9  # of a communication step: times that are closer are the same
@@ -62,15 +63,15 @@ def lost(parting, state):
 
 @kernel
 def is_whole(state):
-    """Whether what held the lower end is still there, or the body; no more in the call of `advance` that begins with parting."""
-    return state[header.PARTED] == WHOLE and state[header.PARTS_AT] == 0.0
+    """Whether nothing has gone, nor what held the lower end or hung there."""
+    return state[header.PARTED] == WHOLE
 
 
 @kernel
 def open_parting(p, state):
     """Begin with a whole cable."""
     state[header.NODES] = p[0].solver.nodes
-    for k in (header.PARTED, header.LOST, header.PARTS_AT, header.PARTS_AFTER, header.LOAD, header.FRONT):
+    for k in (header.PARTED, header.LOST, header.RESUMES, header.RESUMES_AFTER, header.LOAD, header.FRONT):
         state[k] = 0.0
 
 
@@ -211,23 +212,6 @@ def _break(parting, parts, problem, view, state, c, done, h, like):
 breaks = by_presence(_unbreakable, _break)
 
 
-@kernel
-def note_event(state, event, breaking):
-    """What `drop` is to do; a cut is not done twice."""
-    state[header.PARTS_AT] = event.node + 1.0
-    state[header.PARTS_AFTER] = event.time
-    if not breaking:
-        state[header.CUT] = DONE
-
-
-@kernel
-def parts_now(parting, state):
-    """Whether this call of `advance` begins where the cable parts."""
-    if parting is None:
-        return False
-    return state[header.PARTS_AT] > 0.0
-
-
 # -- what goes
 
 
@@ -242,28 +226,13 @@ def _keep_rows(state, at, array, first, beyond):
 
 
 @kernel
-def drop(view, state):
-    """Cut the state down to what is above the node at which the cable parts; whether anything is left.
+def _drop(view, state, first):
+    """Cut the state down to what is above a node.
 
     What is kept moves towards the head, in the order in which it lies, so that nothing is written over before it is read.
     """
-    first = int(state[header.PARTS_AT]) - 1
-    state[header.PARTS_AT] = 0.0
     cells = view.mesh.shape[0]
     n = cells + 1
-    if first > cells - CELLS:
-        first = cells
-    gone = 0.0
-    for i in range(first):
-        gone += view.mesh[i, 0]
-    state[header.LOST] += gone
-    state[header.MESH_LENGTH] -= gone
-    for k in (header.STEP, header.NEXT_STEP, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP, header.LAST_ERROR):
-        state[k] = 0.0
-    state[header.LOAD] = 0.0
-    state[header.PARTED] = ALL_LOST if first == cells else SHORTER
-    if first == cells:
-        return False
     at = _keep_rows(state, header.HEADER, view.mesh, first, cells)
     for array in (view.y, view.yd, view.ydd):
         at = _keep_rows(state, at, array, first, n)
@@ -275,4 +244,46 @@ def drop(view, state):
     if view.sliders.shape[0] > 0:
         at = _keep_rows(state, at, view.sliders, first, view.sliders.shape[0])
     state[header.NODES] = n - first
-    return True
+
+
+@kernel
+def _holds(parting, view, state, time, event, breaking):
+    return
+
+
+@kernel
+def _lose(parting, view, state, time, event, breaking):
+    """Do what an event of a communication step from `time` asks for; a cut is not done twice.  The mesh has its length of then."""
+    cells, length = view.mesh.shape[0], state[header.MESH_LENGTH]
+    first = event.node if event.node <= cells - CELLS else cells
+    gone = 0.0
+    for i in range(first):
+        gone += view.mesh[i, 0]
+    state[header.LOST] += gone
+    state[header.MESH_LENGTH] -= gone
+    for k in (header.STEP, header.NEXT_STEP, header.LAG, header.LAG_BEFORE, header.OFFSET, header.DRIFT_STEP, header.LAST_ERROR):
+        state[k] = 0.0
+    state[header.LOAD] = 0.0
+    state[header.RESUMES], state[header.RESUMES_AFTER] = 1.0, event.time
+    if not breaking:
+        state[header.CUT] = DONE
+    if first < cells:
+        state[header.PARTED] = SHORTER
+        _drop(view, state, first)
+        note(state, PARTS, time + event.time, state[header.MESH_LENGTH])
+    else:
+        state[header.PARTED] = ALL_LOST
+        note(state, ALL_GONE, time + event.time, length)
+
+
+lose = by_presence(_holds, _lose)
+
+
+@kernel
+def resumes(parting, state):
+    """Whether this call of `advance` goes on within a communication step, where the cable has parted; it is said once."""
+    if parting is None:
+        return False
+    goes_on = state[header.RESUMES] > 0.0
+    state[header.RESUMES] = 0.0
+    return goes_on
