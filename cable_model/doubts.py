@@ -214,6 +214,8 @@ SEEN = (
     "cable parted at t = %.6g s with %.6g m left above: the rest has gone. Check cable.breaking_tension and [parting] where it should not.",
     "cable parted at its top at t = %.6g s with %.6g m below: nothing is left. "
     "Check cable.breaking_tension and [parting] where it should not.",
+    "solver.lambda_infinity = %.3g, above %.3g, where an end is suddenly free: the end goes too fast, up to several times. "
+    "Set solver.lambda_infinity = -0.5.",
 )
 
 

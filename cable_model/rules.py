@@ -251,7 +251,7 @@ START_RULES = (
     ),
     StartRule(On("anchor") & ~On("driven") & ~SPACE, "lower_end.y", "top.y", TURN, equal=True, where=" in the plane"),
     StartRule(On("driven") & ~SPACE, "lower.y", "top.y", TURN, equal=True, where=" in the plane"),
-    StartRule(On("parting"), "cable.length", "parting.place", "Cut it at a place on the cable."),
+    StartRule(On("parting") & ~On("winch"), "cable.length", "parting.place", "Cut it at a place on the cable."),
 )  # fmt: skip
 
 

@@ -19,13 +19,13 @@ from cable_model.kernels.error_control import (
     judge,
     see_motion,
 )
-from cable_model.kernels.exchange import begin_exchange
+from cable_model.kernels.exchange import begin_exchange, pass_over
 from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
 from cable_model.kernels.fronts import TINY_STEP, aim_behind_front, follow_front, natural_step, set_off_again
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.layout import cut, state_size, vector_at, work_size
-from cable_model.kernels.parting import breaks, due, has_gone, left, load_at_start, lose, lost, open_parting, resumes
+from cable_model.kernels.parting import Event, breaks, due, has_gone, left, load_at_start, lose, lost, open_parting, resumes
 from cable_model.kernels.path import WINCH, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
@@ -194,7 +194,7 @@ def advance(parts, p, time, span, path, state, work):
         h = state[header.NEXT_STEP] if state[header.NEXT_STEP] > 0.0 else 0.01 * p[0].solver.time_step
     elif state[header.FRONT] > 0.0 or 0.0 < state[header.NEXT_STEP] < base:
         h = state[header.NEXT_STEP]
-    if tolerance == 0.0 and state[header.FRONT] == 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
+    if tolerance == 0.0 and state[header.FRONT] <= 0.0 and 0.0 < GROWTH * state[header.STEP] < h:
         h = GROWTH * state[header.STEP]
     trials = Trials(0.0, 0.0)
     steps = 0
@@ -206,6 +206,10 @@ def advance(parts, p, time, span, path, state, work):
             state[header.ERROR_TIME] = time + done
             return header.TOO_MANY_STEPS
         rest = until - done
+        if event.time <= span and rest < state[header.SHORTEST]:  # a sliver before it parts: rates over it would be rounding
+            pass_over(parts.driven is not None, state, rest, done, span)
+            done = until
+            continue
         tiny = TINY_STEP * (h if tolerance > 0.0 else longest)
         used = h if tolerance > 0.0 else min(h, base)
         if used >= rest * (1.0 - 1e-9):
@@ -253,7 +257,8 @@ def advance(parts, p, time, span, path, state, work):
         if not breaking:
             broken = breaks(parts.parting, parts, problem, view, state, c, done, used, vector_at(parts, state, header.TOP))
             if broken.time <= until:
-                event, until, breaking = broken, broken.time, True
+                until = span if span - broken.time < state[header.SHORTEST] else broken.time
+                event, breaking = Event(until, broken.node), True
                 state[header.REJECTED] += 1.0
                 h = used
                 continue

@@ -42,6 +42,14 @@ def add_impulse(end, state, force, h, done, span):
 
 
 @kernel
+def pass_over(driven, state, h, done, span):
+    """The same for a sliver that is not integrated: under the forces that were told last."""
+    add_impulse(0, state, state[TOLD : TOLD + 3], h, done, span)
+    if driven:
+        add_impulse(TO_LOWER, state, state[TO_LOWER + TOLD : TO_LOWER + TOLD + 3], h, done, span)
+
+
+@kernel
 def add_averaged(end, state, force, late, gap, h, done, span):
     """The same for a force that holds `late` after the step's middle, and `gap` after that of the step before; that in the middle."""
     share = late / gap if state[STEP] > 0.0 else 0.0  # 0 at the start, and where the cable has parted

@@ -64,7 +64,7 @@ def aim_behind_front(p, state, aim, used):
     if used >= 0.5 * aim:
         aim *= BEHIND_FRONT
     if aim >= p[0].solver.time_step:
-        state[header.FRONT] = 0.0
+        state[header.FRONT] = -1.0
     return aim
 
 

@@ -103,14 +103,15 @@ def _cut(parting, parts, p, view, state, time, span):
         at = span
     if p[0].parting.time > 0.0:
         at = min(at, state[header.START] + p[0].parting.time - time)
-    if at > span * (1.0 + AT_ONCE):
+    near = max(AT_ONCE * span, state[header.SHORTEST])  # an end of the step that is nearer is where it happens: no slivers
+    if at > span + AT_ONCE * span:
         return Event(NEVER, 0)
     node = _nearest(parts, view, state, p[0].parting.place)
     if node < 0:
         return Event(NEVER, 0)
-    if abs(at - span) <= AT_ONCE * span:
+    if span - at <= near:
         at = span
-    return Event(at if at > AT_ONCE * span else 0.0, node)
+    return Event(at if at > near or at == span else 0.0, node)
 
 
 due = by_presence(_never, _cut)

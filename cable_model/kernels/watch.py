@@ -8,11 +8,13 @@ import math
 from typing import NamedTuple
 
 from cable_model.kernels.ends import horizon
+from cable_model.kernels.family import GENERALIZED_ALPHA
 from cable_model.kernels.fluid import current_motion, flows
 from cable_model.kernels.header import (
     AUDIT,
     DOUBT,
     DOUBTS,
+    FRONT,
     LOWER_WATCH,
     PARTED,
     PENDING,
@@ -32,7 +34,9 @@ from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, un
 from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
-BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS, ALL_GONE = range(14, 26)
+BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS, ALL_GONE, OVERSHOOTS = (
+    range(14, 27)
+)
 # of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
 TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
@@ -313,6 +317,8 @@ def watch_outputs(parts, p, state, outputs, seen=NOTHING):
         _watch_waves(parts.waves, state)
     else:
         _watch_wave_steps(parts.waves, p, state)
+    if state[FRONT] != 0.0 and int(p[0].solver.integrator) == GENERALIZED_ALPHA and p[0].solver.lambda_infinity > 0.0:
+        note(state, OVERSHOOTS, p[0].solver.lambda_infinity, 0.0)
     _watch_level(parts, state, outputs[7] if abs(outputs[7]) < abs(seen.nearest) else seen.nearest)
     _watch_ends(parts, p, state, outputs[5:8])
     begun = state[STEPS] > 0.0 or state[PENDING] > 0.0
