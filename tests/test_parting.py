@@ -53,6 +53,8 @@ def test_cut_between_its_ends_it_goes_on_as_one_of_that_length_whose_load_is_let
     # the halves have swung a little differently by then, and now go on from one state
     here, there = view(whole), view(half)
     assert here.mesh == pytest.approx(there.mesh, rel=1e-12)
+    assert here.y == pytest.approx(there.y, abs=1e-3)  # velocities too
+    assert here.force == pytest.approx(there.force, rel=1e-3)
     gone = whole.nodes()
     assert np.array_equal(gone[:20, :3], np.repeat(gone[20:21, :3], 20, axis=0))
     assert whole.arc_lengths()[:21].tolist() == [0.0] * 21
