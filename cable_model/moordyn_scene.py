@@ -58,6 +58,8 @@ _RESULTS = "every run has the outputs of docs/fmu_variables.md"
 _NONE_AT_ZERO = ("wavekin", "currents")
 _WITH = ("g", "rho", "wtrdpth", "kbot", "cbot", "frictioncoefficient", "dtout")
 
+_INSTEAD = {"FAILURE": "give cable.breaking_tension, or parting.time and parting.place"}  # of sections that are left out
+
 
 class _Translation:
     """The scene of a line in the making, `values`, and what is `told` of it: one text for each thing left out or changed.
@@ -294,7 +296,8 @@ class _Translation:
                 self._leave_out(f"line type {name}", "no line has it")
         for section, rows in self.deck.others.items():
             for row in rows:
-                self._leave_out(f"{section} {row.words[0]}", "a cable between a top and a lower end is all there is here")
+                why = _INSTEAD.get(section, "a cable between a top and a lower end is all there is here")
+                self._leave_out(f"{section} {row.words[0]}", why)
 
 
 def scene_of(deck: Deck, number: int | None = None) -> tuple[Scene, list[str]]:

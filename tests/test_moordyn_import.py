@@ -116,7 +116,7 @@ def test_a_lowered_body_has_every_number_of_its_deck_and_what_has_no_place_is_to
         "left out: line type spare: no line has it",
         "left out: ROD TYPES bar: a cable between a top and a lower end is all there is here",
         "left out: BODIES 1: a cable between a top and a lower end is all there is here",
-        "left out: FAILURE 1: a cable between a top and a lower end is all there is here",
+        "left out: FAILURE 1: give cable.breaking_tension, or parting.time and parting.place",
     ]
 
 
