@@ -109,10 +109,13 @@ def _two_bottoms(scene: Any) -> Iterator[str]:
     seabed, depth = scene.seabed, scene.water.depth if scene.water is not None else 0.0
     if not depth or seabed is None or not seabed.stiffness or not is_on(BY_NAME["waves"], scene, CHAIN):
         return
-    if abs(depth + seabed.level) > SAME_BOTTOM * depth:
+    heights = [row[-1] for row in seabed.grid or seabed.profile] or [seabed.level]
+    low, high, off = min(heights), max(heights), SAME_BOTTOM * depth
+    if not low - off <= -depth <= high + off:
+        where = f"at z = {low:g} m" if low == high else f"from z = {low:g} to {high:g} m"
         yield (
-            f"water.depth = {depth:g} m over a seabed at z = {seabed.level:g} m: waves feel another bottom than the cable. "
-            f"Set water.depth = {-seabed.level:g}."
+            f"water.depth = {depth:g} m over a seabed {where}: waves feel another bottom than the cable. "
+            f"Set water.depth = {-0.5 * (low + high):g}."
         )
 
 
@@ -208,7 +211,7 @@ SEEN = (
     "velocity of the lower end changed by %.3g m/s, of which its accelerations miss %.3g m/s: what is led on between the steps is wrong. "
     "Give lower.ax, lower.ay and lower.az of the same motion, or set top.motion_order = 1.",
     "an end of the cable at z = %.4g m, the seabed at %.4g m: it is pushed into the bottom, which holds against it. "
-    "Check its motion, or seabed.level.",
+    "Check its place, its motion, or the seabed's height.",
     "ends of the cable = %.3g m apart at the start, of a length of %.4g m: it hangs in a fold. "
     "Connect lower.x, y and z, and give them start values.",
     "cable parted at t = %.6g s with %.6g m left above: the rest has gone. Check cable.breaking_tension and [parting] where it should not.",

@@ -189,6 +189,16 @@ EFFECTS = (
         numbers=("seabed.level", "seabed.stiffness", "seabed.damping_ratio"), costs={"seabed": _SEABED},
     ),
     Effect(
+        "slope", "seabed that slopes", Given("seabed.slope"), ("seabed.slope",), needs=("seabed",), models=(CHAIN,), grids=(STAGGERED,),
+        numbers=("seabed.slope", "seabed.slope_direction"), left_out={"seabed.slope": 0.0, "seabed.slope_direction": 0.0},
+        costs={"seabed that slopes": {**_SEABED, "seabed.slope": 0.05}},
+    ),
+    Effect(
+        "relief", "seabed by heights", Given("seabed.profile") | Given("seabed.grid"), ("seabed.profile", "seabed.grid"),
+        needs=("seabed",), models=(CHAIN,), grids=(STAGGERED,), table=tables.relief, native="absent",
+        costs={"seabed by a profile": {**_SEABED, "seabed.level": 0.0, "seabed.profile": [[-1.0, -1.8], [0.0, -1.75], [1.0, -1.8]]}},
+    ),
+    Effect(
         "friction", "friction along the seabed", Given("seabed.friction_coefficient"), ("seabed.friction_coefficient",), needs=("seabed",),
         models=(CHAIN,), grids=(STAGGERED,),
         numbers=("seabed.friction_coefficient", "seabed.friction_displacement", "seabed.friction_velocity"),

@@ -64,8 +64,7 @@ def _space(space: Any, picture: Picture, scene: Scene) -> Callable[[int], None]:
     else:
         space.set_yticks([])
     if picture.seabed is not None:
-        x, y = np.column_stack((picture.low, picture.high))[:2]
-        space.plot_surface(*np.meshgrid(x, y), np.full((2, 2), picture.seabed), color=SEABED, alpha=0.35)
+        space.plot_surface(*np.meshgrid(picture.seabed.x, picture.seabed.y), picture.seabed.at(0), color=SEABED, alpha=0.35)
     lines = [
         space.plot([], [], [], color=colour, linestyle=style, linewidth=2.5, marker="o", markevery=[0], label=label)[0]
         for label, colour, style in zip(picture.cables, COLOURS, STYLES, strict=False)

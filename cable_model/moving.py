@@ -14,9 +14,11 @@ from cable_model.scene import Scene
 from cable_model.sea import components, table_of
 from cable_model.simulated import is_on
 from cable_model.simulation import Result
+from cable_model.tables import relief
 
 MOST_POINTS = 61  # along a cable
 MOST_PLACES = 128  # of the surface at a moment
+BED_PLACES = 61  # along each side of a bottom by heights
 PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
 WIDTH = 0.25  # of the box's longest side: what a side has at least
 FRAME = (0.05, 0.1)  # s that a moment is shown at least and at most: shorter hurries, longer is dull
@@ -60,7 +62,7 @@ class Picture:
     low: np.ndarray
     high: np.ndarray
     surface: Surface | None
-    seabed: float | None
+    seabed: Surface | None
     output_steps: float  # of the run, from one moment to the next, on average
 
     @property
@@ -140,11 +142,16 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     low = np.min([moving.places.min(axis=(0, 1)) for moving in cables.values()], axis=0)
     high = np.max([moving.places.max(axis=(0, 1)) for moving in cables.values()], axis=0)
     reach = NEAR * float(np.max(high - low))
-    seabed = scene.seabed.level if _has("seabed", scene) and scene.seabed.level > low[2] - reach else None
+    seabed = _seabed(scene, low, high)
+    if seabed is not None and seabed.heights.max() <= low[2] - reach:
+        seabed = None
     near = _has("surface", scene) and low[2] - reach < 0.0 < high[2] + reach
-    levels = [low[2], high[2], *([seabed] if seabed is not None else []), *([0.0] if near else [])]
+    levels = [low[2], high[2], *(seabed.heights.ravel() if seabed is not None else []), *([0.0] if near else [])]
     low[2], high[2] = min(levels), max(levels)
     low, high = _roomy(low, high)
+    if seabed is not None:
+        seabed = _seabed(scene, low, high) or seabed
+        low[2], high[2] = min(low[2], seabed.heights.min()), max(high[2], seabed.heights.max())
     surface = _surface(scene, times, low, high) if near else None
     if surface is not None:
         low[2], high[2] = min(low[2], surface.heights.min()), max(high[2], surface.heights.max())
@@ -165,6 +172,23 @@ def _roomy(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     half = np.maximum(0.5 * (high - low) + 0.03 * longest, 0.5 * WIDTH * longest)
     middle = 0.5 * (low + high)
     return middle - half, middle + half
+
+
+def _seabed(scene: Scene, low: np.ndarray, high: np.ndarray) -> Surface | None:
+    """The bottom between two corners, where there is one."""
+    if not _has("seabed", scene):
+        return None
+    plane = not _has("relief", scene)
+    x, y = (np.linspace(low[k], high[k], 2 if plane or (k == 1 and not scene.seabed.grid) else BED_PLACES) for k in (0, 1))
+    heights = scene.seabed.level + scene.seabed.slope * np.add.outer(
+        y * math.sin(scene.seabed.slope_direction), x * math.cos(scene.seabed.slope_direction)
+    )
+    if not plane:
+        from cable_model.kernels.bottom import shape_at  # imports numba
+
+        table = relief(scene)
+        heights = np.array([[shape_at(table, at_x, at_y)[0] for at_x in x.tolist()] for at_y in y.tolist()])
+    return Surface(x, y, heights[None])
 
 
 def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray) -> Surface:

@@ -30,8 +30,7 @@ def fixed_traces(picture: Picture, scene: Scene) -> list[Trace]:
         if not picture.surface.moves:
             traces.append(_sheet(picture.surface, 0, SEA))
     if picture.seabed is not None:
-        (x, y), level = np.column_stack((picture.low, picture.high))[:2], picture.seabed
-        traces += [_name(picture, level, "seabed", SEABED), _sheet(Surface(x, y, np.full((1, 2, 2), level)), 0, SEABED)]
+        traces += [_name(picture, float(picture.seabed.at(0)[0, 0]), "seabed", SEABED), _sheet(picture.seabed, 0, SEABED)]
     if not is_held(scene):
         path = {"mode": "lines", "line": {"color": GREY, "width": 1.5}, "hoverinfo": "skip"}
         traces += [_in_space(picture, moving.places[:, 0]) | path for moving in picture.cables.values()]

@@ -117,15 +117,23 @@ class Water:
 
 @dataclass(frozen=True)
 class Seabed:
-    """A flat, level, elastic bottom; it needs the cable's diameter."""
+    """An elastic bottom, level unless it is given a slope, a profile or a grid; it needs the cable's diameter."""
 
-    level: float = quantity("m", "height z of the seabed", default=0.0)
+    level: float = quantity("m", "height z of the seabed, where it slopes that at x = y = 0", default=0.0)
     stiffness: float = quantity("Pa/m", "pressure per depth of penetration, on the diameter (0 = no seabed)", default=0.0, least=0.0)
     damping_ratio: float = quantity("1", "damping of a node on the seabed over the critical one", default=1.0, least=0.0)
     friction_coefficient: float = quantity("1", "Coulomb friction along the seabed (0 = none)", default=0.0, least=0.0)
     friction_displacement: float = quantity("m", "displacement at which a cable begins to slide over the seabed", default=1e-3, above=0.0)
     friction_velocity: float = quantity(
         "m/s", "velocity at which it slides at once; until it slides, friction is that of a spring and a dashpot", default=0.01, above=0.0
+    )
+    slope: float = quantity("1", "slope of the seabed: its rise over the way along slope_direction", default=0.0)
+    slope_direction: float = quantity("rad", "direction in which it rises, from x towards y", default=0.0)
+    profile: tuple[tuple[float, float], ...] = quantity(
+        "m, m", "heights of a seabed that is not level along x, rows of [x, z]; cubics between them, straight on beyond", default=()
+    )
+    grid: tuple[tuple[float, float, float], ...] = quantity(
+        "m, m, m", "heights on a rectangular grid, rows of [x, y, z], each x with the same y", default=()
     )
     laid_from_anchor: bool = quantity(
         "", "whether the cable starts with the friction of one laid out straight from its anchor (false: without friction)", default=False

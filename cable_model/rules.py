@@ -28,6 +28,7 @@ OF_A_SPECTRUM = (
     | Changed("waves.seed")
 )  # fmt: skip
 OF_ONE_WAVE = "Remove it: it belongs to waves.amplitude."
+HEIGHTS = Given("seabed.profile") | Given("seabed.grid")
 SLIDING = Changed("seabed.friction_velocity") | Changed("seabed.friction_displacement")
 DISK = Given("tow.drag_area_axial") | Changed("tow.body_angle")
 TURN = "Set solver.space = true, or turn the axes so that x is along it."
@@ -132,6 +133,7 @@ RULES = (
     Rule(
         ~Given("seabed.stiffness") & (
             Given("seabed.level") | Given("seabed.friction_coefficient") | Changed("seabed.damping_ratio") | SLIDING
+            | Given("seabed.slope") | Given("seabed.slope_direction") | HEIGHTS
         ), "seabed.stiffness", "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
     ),
     Rule(
@@ -145,6 +147,17 @@ RULES = (
     Rule(
         Given("seabed.laid_from_anchor") & ~(Given("seabed.friction_coefficient") & Given("lower_end.anchored")), "seabed.laid_from_anchor",
         "false without friction and an anchor", "Give seabed.friction_coefficient and set lower_end.anchored = true.",
+    ),
+    Rule(HEIGHTS & Given("seabed.level"), "seabed.level", "0 beside the heights of seabed.profile or grid", "Add it to the heights."),
+    Rule(HEIGHTS & Given("seabed.slope"), "seabed.slope", "0 beside seabed.profile or grid", "Keep one of them."),
+    Rule(Given("seabed.profile") & Given("seabed.grid"), "seabed.profile", "empty beside seabed.grid", "Keep one of them."),
+    Rule(
+        Given("seabed.slope_direction") & ~Given("seabed.slope"), "seabed.slope_direction", "0 without seabed.slope",
+        "Give the slope, or remove its direction.",
+    ),
+    Rule(
+        Given("seabed.laid_from_anchor") & (HEIGHTS | Given("seabed.slope")), "seabed.laid_from_anchor",
+        "false where the bottom is not level", "Start without the friction of a cable that was laid out.",
     ),
     Rule(LEVELS & Given("current.speed"), "current.speed", "0 beside current.levels", "Keep one of them."),
     Rule(LEVELS & Given("current.direction"), "current.direction", "0 beside current.levels", "Keep one of them."),
@@ -210,6 +223,8 @@ RULES = (
         Given("tow.as_printed") & SPACE, "tow.as_printed", "false in space", "The report moves in one plane: set solver.space = false."
     ),
     Rule(~SPACE & Given("current.direction"), "current.direction", *ACROSS),
+    Rule(~SPACE & Given("seabed.slope_direction"), "seabed.slope_direction", *ACROSS),
+    Rule(~SPACE & Given("seabed.grid"), "seabed.grid", "empty in the plane", "Give seabed.profile along x, or set solver.space = true."),
     Rule(~SPACE & Given("waves.direction"), "waves.direction", *ACROSS),
     Rule(~SPACE & Given("waves.table", column=2), "waves.table", *ACROSS, column=2),
     Rule(~SPACE & Given("current.levels", column=2), "current.levels", *ACROSS, column=2),
@@ -239,14 +254,16 @@ class StartRule:
         return f"{'' if self.equal else '>= '}{self.other} = ", f"{self.where}. {self.remedy}"
 
 
+LEVEL = On("seabed") & ~On("slope") & ~On("relief")  # what an end may not be below; kernels watch other bottoms
+
 START_RULES = (
-    StartRule(On("seabed"), "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
+    StartRule(LEVEL, "top.z", "seabed.level", "Lower the seabed or lift the top.", slack="cable.diameter", times=SUNK),
     StartRule(
-        On("seabed") & On("anchor") & ~On("driven"), "lower_end.z", "seabed.level", "Lower the seabed or lift the anchor.",
+        LEVEL & On("anchor") & ~On("driven"), "lower_end.z", "seabed.level", "Lower the seabed or lift the anchor.",
         slack="cable.diameter", times=SUNK,
     ),
     StartRule(
-        On("seabed") & On("driven"), "lower.z", "seabed.level", "Lower the seabed or lift the lower end.",
+        LEVEL & On("driven"), "lower.z", "seabed.level", "Lower the seabed or lift the lower end.",
         slack="cable.diameter", times=SUNK,
     ),
     StartRule(On("anchor") & ~On("driven") & ~SPACE, "lower_end.y", "top.y", TURN, equal=True, where=" in the plane"),
@@ -281,6 +298,14 @@ def _is_grid(rows: Sequence[Sequence[float]]) -> bool:
     return all(grid == grids[0] and rising([[z] for z in grid]) for grid in grids)
 
 
+def _is_rectangular(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether there are no rows, or heights at two or more x, each of which has the same two or more y, each once."""
+    if not rows:
+        return True
+    x, y = ({row[k] for row in rows} for k in (0, 1))
+    return len(x) > 1 and len(y) > 1 and len({tuple(row[:2]) for row in rows}) == len(rows) == len(x) * len(y)
+
+
 def _is_even(rows: Sequence[Sequence[float]]) -> bool:
     """Whether there are no rows, or some whose first values rise by equal steps, and whose second ones are not all the same."""
     if not rows:
@@ -302,6 +327,14 @@ TABLES: Sequence[tuple[str, Callable[[Any], bool], str, str]] = (
     ),
     ("current.levels", lambda rows: rising(rows) or rising(rows[::-1]), "sorted by z without repeats", "Sort the table by z."),
     ("current.table", _is_grid, "the same levels at every time, each once", "Give every level at every time."),
+    (
+        "seabed.profile", lambda rows: not rows or (len(rows) > 1 and (rising(rows) or rising(rows[::-1]))),
+        "at least two rows, sorted by x without repeats", "Sort the rows by x.",
+    ),
+    (
+        "seabed.grid", _is_rectangular, "at least two x, each with the same two or more y, each once",
+        "Give a height at every y of every x.",
+    ),
     (
         "waves.record", _is_even, f"at least {FEWEST_OF_A_RECORD} rows of time that rises by equal steps, and of heights that differ",
         "Sort the rows, and fill gaps.",

@@ -42,6 +42,31 @@ def stiffness_curve(scene: Any) -> np.ndarray:
     return np.ascontiguousarray(np.column_stack((rows, slopes)))
 
 
+def _slopes(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Slopes of piecewise cubics that rise and fall only where the points do, along the last axis (Fritsch and Butland, 1984)."""
+    secants, h = np.diff(z) / np.diff(x), np.diff(x)
+    one, two = secants[..., :-1], secants[..., 1:]
+    before, after = 2.0 * h[1:] + h[:-1], h[1:] + 2.0 * h[:-1]
+    bent = np.where(one * two > 0.0, one * two, 0.0)
+    inner = (before + after) * bent / np.where(bent > 0.0, before * two + after * one, 1.0)
+    return np.concatenate((secants[..., :1], inner, secants[..., -1:]), axis=-1)
+
+
+def relief(scene: Any) -> np.ndarray:
+    """Rows of x, y, height (m), its slopes by x and by y and the slope of one by the other (1/m); first how many places there are along y.
+
+    They are sorted by x, then by y; a profile has one place along y.
+    """
+    rows = sorted(scene.seabed.grid or ((x, 0.0, z) for x, z in scene.seabed.profile))
+    x, y = (np.array(sorted({row[k] for row in rows})) for k in (0, 1))
+    z = np.array([row[2] for row in rows]).reshape(len(x), len(y))
+    by_x = _slopes(x, z.T).T
+    by_y, twist = (_slopes(y, z), _slopes(y, by_x)) if len(y) > 1 else (np.zeros_like(z), np.zeros_like(z))
+    places = np.array([row[:2] for row in rows])
+    table = np.column_stack((places, *(each.ravel() for each in (z, by_x, by_y, twist))))
+    return np.vstack((np.array([[float(len(y)), 0.0, 0.0, 0.0, 0.0, 0.0]]), table))
+
+
 def sections(scene: Any) -> np.ndarray:
     """Rows of kernels.sections: the length and what it is made of, from the lower end up."""
     return np.array([

@@ -14,7 +14,7 @@ from cable_model import CableChain, simulate
 from cable_model.errors import ParameterError
 from cable_model.kernels import friction
 from cable_model.kernels.audit import BED_WORK
-from cable_model.kernels.seabed import Ground
+from cable_model.kernels.seabed import COLUMNS, Ground
 from cable_model.kernels.staggered_step import Gains
 from cable_model.scene import from_dict, with_values
 from cable_model.tow_cable import TowCable
@@ -150,7 +150,8 @@ def test_a_slider_stores_no_more_than_it_took(like):
     mu, k, c, length, h, v_share = 0.4, 3e4, 3e3, 0.7, 0.02, 2.0 / 3.0
     ground = Ground(0.0, 1e6, 0.0, 1.0, mu, k, c, 0.0, 0.0, 1e-3)
     gains = Gains(0.0, v_share, 0.0, 0.0, 1.0, h, None)
-    contact, stretch = np.zeros((1, friction.COLUMNS)), np.zeros((1, len(like)))
+    up = (*like[1:], 1.0)
+    contact, stretch = np.zeros((1, COLUMNS)), np.zeros((1, len(like)))
     slid = held = 0
     for _ in range(200):
         u = tuple(rng.choice([3e-4, 3e-2]) * rng.standard_normal(len(like)))
@@ -159,7 +160,7 @@ def test_a_slider_stores_no_more_than_it_took(like):
         contact[0, 0] = force
         contact[0, friction.BASE : friction.BASE + len(like)] = stretch[0]
         before = stretch.copy()
-        per_force, fixed, _ = friction.friction_of(True, ground, gains, length, like, u, force, contact, 0)
+        per_force, fixed, _ = friction.friction_of(True, ground, gains, length, up, None, like, u, force, contact, 0)
         pull = force * np.array(per_force) + np.array(fixed)
         friction.keep_slider(True, ground, length, h, contact, 0, like, stretch)
         assert np.linalg.norm(pull) <= mu * force * (1.0 + 1e-12)

@@ -106,6 +106,9 @@ GROUND = {
     "seabed__level": -1.8, "seabed__stiffness": 1e3, "seabed__friction_coefficient": 0.4, "seabed__friction_displacement": 1e-2,
     "seabed__friction_velocity": 3.0,
 }  # fmt: skip
+HILLS = [[-1.0, -1.9], [-0.2, -1.7], [0.4, -1.85], [1.0, -1.6], [2.0, -1.8]]
+LANDSCAPE = [[x, y, z + 0.1 * np.sin(3.0 * y + x)] for x, z in HILLS for y in (-1.0, -0.3, 0.2, 1.0)]
+RELIEF = {**GROUND, "seabed__level": 0.0}
 JOINTS = {
     "cable__section": [
         {"length": 0.7, "mass_per_length": 0.3, "axial_stiffness": 4e4, "diameter": 0.03, "bending_stiffness": 3e-3},
@@ -122,6 +125,11 @@ SCENES = {
     "space": (PLAIN, {"solver__space": True}),
     "plane, seabed with friction": (PLAIN, GROUND),
     "space, seabed with friction": (PLAIN, {**GROUND, "solver__space": True}),
+    "plane, slope with friction": (PLAIN, {**GROUND, "seabed__slope": 0.3}),
+    "space, slope with friction": (PLAIN, {**GROUND, "seabed__slope": 0.3, "seabed__slope_direction": 1.0, "solver__space": True}),
+    "plane, profile with friction": (PLAIN, {**RELIEF, "seabed__profile": HILLS}),
+    "space, profile": (PLAIN, {**RELIEF, "seabed__profile": HILLS, "seabed__friction_coefficient": 0.0, "solver__space": True}),
+    "space, grid with friction": (PLAIN, {**RELIEF, "seabed__grid": LANDSCAPE, "solver__space": True}),
     "plane, winch": (PLAIN, {"winch__fitted": True}),
     "plane, table of the stiffness": (PLAIN, {"cable__stiffness_curve": [[0.0, 0.0], [0.01, 1.5], [0.05, 20.0]]}),
     "plane, winch, quadratic damping": (PLAIN, {"winch__fitted": True, "cable__quadratic_damping": 0.3}),

@@ -2,9 +2,11 @@
 
 import math
 
+from cable_model.kernels.bottom import slope_of
 from cable_model.kernels.cells import presence, wave_damping
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.layout import axes
 from cable_model.kernels.problem import (
     Body,
     Numeric,
@@ -75,6 +77,34 @@ _body = by_presence(_no_body, _hung)
 
 
 @kernel
+def _no_slope(slope, parts, p):
+    return None
+
+
+@kernel
+def _inclined(slope, parts, p):
+    along_x, along_y = slope_of(p)
+    c = 1.0 / math.sqrt(1.0 + along_x * along_x + along_y * along_y)
+    return axes(parts.space, -c * along_x, -c * along_y, c)
+
+
+_slope = by_presence(_no_slope, _inclined)  # the normal of a bottom that slopes
+
+
+@kernel
+def _all_upward(slope, normal):
+    return 1.0
+
+
+@kernel
+def _partly_upward(slope, normal):
+    return normal[len(normal) - 1]
+
+
+_share_upward = by_presence(_all_upward, _partly_upward)
+
+
+@kernel
 def _no_ground(seabed, parts, p, cable, moves):
     return None
 
@@ -92,9 +122,11 @@ def _grounded(seabed, parts, p, cable, moves):
     friction = max(moves, laid) * bed.friction_coefficient
     grip, drag = friction * weight / bed.friction_displacement, moves * friction * weight / bed.friction_velocity
     density = density_of(parts.water, p)
+    slope = _slope(parts.slope, parts, p)
+    level = bed.level * _share_upward(parts.slope, slope)
     return Ground(
-        bed.level, stiffness, lag, moves, friction, grip, drag, laid, hung, smoothing, parts.sections, weight, density, p,
-        parts.line_bodies, 0.0,
+        level, stiffness, lag, moves, friction, grip, drag, laid, hung, smoothing, parts.sections, weight, density, p,
+        parts.line_bodies, 0.0, slope, parts.relief,
     )  # fmt: skip
 
 

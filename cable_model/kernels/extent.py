@@ -1,8 +1,10 @@
 """How much of the cable hangs and how much lies, what bends it most, and the waves over its top: what outputs tell of the whole of it.
 
-The cable touches down, seen from its top, where the seabed carries half of its weight; what hangs is the unstretched length above.
+The cable touches down, seen from its top, where the seabed carries half of what it carries of one that lies; what hangs is the
+unstretched length above.
 """
 
+from cable_model.kernels.bottom import normal_under
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.header import TIME, TOP
@@ -15,7 +17,7 @@ from cable_model.kernels.waves import elevation
 
 MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three
 PAID_OUT, ELEVATION, HAS_PARTED, REMAINING = 40, 41, 42, 43  # likewise
-CARRIED = 0.5  # of a node's weight, where the cable touches down
+CARRIED = 0.5  # of what a bottom carries of a node that lies on it, where the cable touches down
 
 
 @kernel
@@ -81,8 +83,9 @@ def _on_bottom(seabed, parts, problem, mesh, y, contact, top, out):
     reaction = 0.0
     for i in range(mesh.shape[0] - 1, -1, -1):
         lower = axpy(-mesh[i, 0], load(y, i, top), position)
-        reaction += contact[i, FORCE]
-        now = contact[i, FORCE] / max(abs(_weight_at(parts, problem, mesh, i)), 1e-300)
+        up = normal_under(problem.ground.relief, problem.ground, contact, i, top)[len(top) - 1]
+        reaction += contact[i, FORCE] * up
+        now = contact[i, FORCE] / max(up * abs(_weight_at(parts, problem, mesh, i)), 1e-300)
         if not touched and now >= CARRIED:
             touched = True
             share = (CARRIED - before) / (now - before)

@@ -15,6 +15,7 @@ Statics of a cable that was laid out (ground.laid) measure xi from the place whe
 with xi minus that place.  Other statics have no friction: mu, k and c are 0.
 """
 
+from cable_model.kernels.bottom import add_tilt
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import (
@@ -30,7 +31,6 @@ from cable_model.kernels.vector import (
     scale_matrix,
     store_from,
     sub,
-    upward,
     zero,
 )
 
@@ -45,9 +45,9 @@ LEVEL_WITH = 1e-6  # share of mu N by which a slider that holds may exceed it: r
 
 
 @kernel
-def _along(a):
-    """The horizontal part of a vector."""
-    return axpy(-a[len(a) - 1], upward(1.0, a), a)
+def _along(a, up):
+    """The part of a vector along a bottom with the normal `up`."""
+    return axpy(-dot(a, up), up, a)
 
 
 @kernel
@@ -76,24 +76,27 @@ def _by_velocity(ground, gains, length):
 
 
 @kernel
-def _no_friction(friction, ground, gains, length, position, v, force, contact, i):
+def _no_friction(friction, ground, gains, length, up, turns, position, v, force, contact, i):
     return zero(v), zero(v), diagonal(0.0, v)
 
 
 @kernel
-def _friction(friction, ground, gains, length, position, v, force, contact, i):
-    ahead = _along(position) if ground.laid > 0.0 else scale(gains.step, _along(v))
-    stretch = axpy(1.0, ahead, load_from(contact, i, BASE, v))
-    pull = mix(length * ground.grip, stretch, length * ground.drag, _along(v))
+def _friction(friction, ground, gains, length, up, turns, position, v, force, contact, i):
+    ahead = _along(position, up) if ground.laid > 0.0 else scale(gains.step, _along(v, up))
+    base = load_from(contact, i, BASE, v)
+    stretch = axpy(1.0, ahead, _along(base, up))
+    pull = mix(length * ground.grip, stretch, length * ground.drag, _along(v, up))
     before = load_from(contact, i, BEFORE, v)
     store_from(contact, i, BEFORE, pull)
     store_from(contact, i, NOW, pull)
     by = _by_velocity(ground, gains, length)
-    level = add_matrix(diagonal(1.0, v), scale_matrix(-1.0, outer(upward(1.0, v), upward(1.0, v))))
+    level = add_matrix(diagonal(1.0, v), scale_matrix(-1.0, outer(up, up)))
+    whole = mix(length * ground.grip, axpy(gains.step, v, base), length * ground.drag, v)  # of which the pull is the part along
+    turned = gains.r / gains.v if gains.v > 0.0 else 0.0  # the place at the new time by the velocity that Newton's method seeks
     limit = ground.friction * force
     size = norm(pull)
     if size <= limit:
-        return zero(v), pull, scale_matrix(by, level)
+        return zero(v), pull, add_tilt(turns, turned, diagonal(1.0, v), up, whole, scale_matrix(by, level))
     t = scale(1.0 / size, pull)
     if dot(before, t) < 0.0:
         # it pulled the other way at the iteration before: the derivative there and here, next to 0, would let it go to and fro
@@ -101,27 +104,29 @@ def _friction(friction, ground, gains, length, position, v, force, contact, i):
         contact[i, WAIT] = 2.0 ** contact[i, TURNS] - 1.0
         chord = (limit + min(limit, norm(before))) / norm(sub(pull, before))
         return scale(ground.friction, t), zero(v), scale_matrix(by * chord, level)
-    firm = level
+    firm, across = level, diagonal(1.0, v)
     if contact[i, WAIT] > 0.0:
         contact[i, WAIT] -= 1.0  # the secant from 0, whose steps never go too far
     else:
-        firm = add_matrix(level, scale_matrix(-1.0, outer(t, t)))
-    return scale(ground.friction, t), zero(v), scale_matrix(by * limit / size, firm)
+        slid = scale_matrix(-1.0, outer(t, t))
+        firm, across = add_matrix(level, slid), add_matrix(across, slid)
+    by_velocity = add_tilt(turns, turned * limit / size, across, up, whole, scale_matrix(by * limit / size, firm))
+    return scale(ground.friction, t), zero(v), by_velocity
 
 
 friction_of = by_presence(_no_friction, _friction)  # per N; what does not go with N; the derivative of both by the velocity at fixed N
 
 
 @kernel
-def _no_change(friction, ground, gains, length, x, force, new_force, contact, i, like):
+def _no_change(friction, ground, gains, length, up, x, force, new_force, contact, i, like):
     return False
 
 
 @kernel
-def _move(friction, ground, gains, length, x, force, new_force, contact, i, like):
+def _move(friction, ground, gains, length, up, x, force, new_force, contact, i, like):
     by = _by_velocity(ground, gains, length)
     before = load_from(contact, i, BEFORE, like)
-    now = axpy(by, _along(load_from(x, i, 0, like)), before)
+    now = axpy(by, _along(load_from(x, i, 0, like), up), before)
     store_from(contact, i, NOW, now)
     if new_force < ground.smoothing * length:
         return False

@@ -1,6 +1,6 @@
-"""The seabed under a cable: a flat elastic bottom that pushes upwards only, with damping, and friction along it.
+"""The seabed under a cable: an elastic bottom that pushes along its normal only, with damping, and friction along it.
 
-Per node with the length l of cable that it carries, at height z above the bottom, with vertical velocity w:
+Per node with the length l of cable that it carries, at height z above the bottom (bottom.py), with velocity w along its normal:
 
     f = -K d l (z + lag w),   N = (f + sqrt(f^2 + w0^2))/2
 
@@ -13,20 +13,22 @@ N is an unknown in the barrier form of slack.py; as it belongs to one node it is
 from typing import NamedTuple
 
 from cable_model.kernels import friction as sliders
+from cable_model.kernels.bottom import COLUMNS as BOTTOM_COLUMNS
+from cable_model.kernels.bottom import MOTION, NORMAL, PLACE, add_turn, by_approach, normal_under, over_bottom, turning
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import cable_of
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import constitutive, iterate, step_tension
-from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, norm, outer, scale, store_from, sub, upward, zero
+from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, load_from, norm, outer, scale, store_from, sub, upward, zero
 
 FORCE = 0  # columns of the contact table: N
 CHANGE = 1  # its Newton change at fixed velocities
-SLOPE = 2  # its derivative by the vertical velocity
-HEIGHT = 3  # height and vertical velocity of the node at the old time
-SPEED = 4
-COLUMNS = sliders.COLUMNS  # the others are friction.py's
+HEIGHT = 2  # height, and velocity along the normal, of the node at the old time
+SPEED = 3
+SLOPE = BOTTOM_COLUMNS  # the derivative of N by the velocity of the node, three
+COLUMNS = SLOPE + 3  # the others are friction.py's and bottom.py's
 LIGHTEST = 1e-3  # of the weight of a metre on average
 RESTING = 0.05  # of the weight that a node carries
 
@@ -34,7 +36,7 @@ RESTING = 0.05  # of the weight that a node carries
 class Ground(NamedTuple):
     """Constants of the seabed."""
 
-    level: float  # m
+    level: float  # m, along the normal of a bottom that is a plane
     stiffness: float  # K d, N/m2
     lag: float  # damping over stiffness, s
     least_lag: float  # in time steps
@@ -50,6 +52,8 @@ class Ground(NamedTuple):
     numbers: object = None
     bodies: object = None  # on the cable, see line_bodies.py
     spread: float = 0.0  # N/m, that statics give a node's smoothing at least
+    slope: object = None  # the normal of a bottom that slopes
+    relief: object = None  # the table of one that is no plane, see bottom.py
 
 
 @kernel
@@ -75,7 +79,7 @@ def _of_both_cells(sections, ground, mesh, i):
     return Ground(
         ground.level, ground.stiffness * wide, ground.lag * (massive / wide) ** 0.5, ground.least_lag, ground.friction, ground.grip * heavy,
         ground.drag * heavy, ground.laid, length, max(p[0].solver.slack_smoothing * own, ground.spread), sections, ground.weight,
-        ground.density, p, ground.bodies, ground.spread,
+        ground.density, p, ground.bodies, ground.spread, ground.slope, ground.relief,
     )  # fmt: skip
 
 
@@ -113,6 +117,21 @@ def under_body(present, ground, mesh):
 
 
 @kernel
+def _nothing_begins(relief, place, motion, up, contact, i):
+    return
+
+
+@kernel
+def _begins(relief, place, motion, up, contact, i):
+    store_from(contact, i, PLACE, place)
+    store_from(contact, i, MOTION, motion)
+    store_from(contact, i, NORMAL, up)
+
+
+_begin_there = by_presence(_nothing_begins, _begins)  # where a node is before a step, over a bottom that is no plane
+
+
+@kernel
 def _no_start(present, friction, ground, mesh, y0, top_row, h, like, contact):
     return
 
@@ -123,8 +142,9 @@ def _start(present, friction, ground, mesh, y0, top_row, h, like, contact):
     position = load(y0, top_row, like)
     for i in range(n - 2, -1, -1):
         position = axpy(-mesh[i, 0], load(y0, i, like), position)
-        height = position[len(like) - 1] - ground.level
-        speed = y0[n + i, len(like) - 1]
+        height, up = over_bottom(ground.relief, ground, position)
+        speed = dot(load(y0, n + i, like), up)
+        _begin_there(ground.relief, position, load(y0, n + i, like), up, contact, i)
         own = under(ground.sections, ground, mesh, i)
         length = carried(own, mesh, i)
         w0 = own.smoothing * length
@@ -153,33 +173,53 @@ rests = by_presence(_never, _rests)  # whether the seabed carries a good part of
 
 
 @kernel
+def _to_plane(relief, ground, now, position, v, contact, i):
+    above, up = over_bottom(relief, ground, position)
+    height = contact[i, HEIGHT] + now * (above - contact[i, HEIGHT])
+    speed = contact[i, SPEED] + now * (dot(v, up) - contact[i, SPEED])
+    return height, speed, v, up, None
+
+
+@kernel
+def _to_relief(relief, ground, now, position, v, contact, i):
+    before = load_from(contact, i, PLACE, position)
+    place = axpy(now, sub(position, before), before)
+    height, up = over_bottom(relief, ground, place)
+    before = load_from(contact, i, MOTION, v)
+    v = axpy(now, sub(v, before), before)
+    store_from(contact, i, NORMAL, up)
+    return height, dot(v, up), v, up, turning(relief, place, up)
+
+
+_approach = by_presence(_to_plane, _to_relief)  # at the new time: height, velocity along the normal, velocity, normal, Turning
+
+
+@kernel
 def _no_load(present, friction, ground, gains, mesh, i, position, v, contact):
     return zero(v), diagonal(0.0, v)
 
 
 @kernel
 def _load(present, friction, whole, gains, mesh, i, position, v, contact):
-    up = upward(1.0, v)
     ground = under(whole.sections, whole, mesh, i)
     length = carried(ground, mesh, i)
     stiffness = ground.stiffness * length
     w0 = ground.smoothing * length
     lag = max(ground.lag, ground.least_lag * gains.step)
     now = 1.0 / gains.v if gains.v > 0.0 else 0.0  # from the average to the new time
-    height = contact[i, HEIGHT] + now * (dot(position, up) - ground.level - contact[i, HEIGHT])
-    speed = contact[i, SPEED] + now * (dot(v, up) - contact[i, SPEED])
+    height, speed, v_new, up, turns = _approach(ground.relief, ground, now, position, v, contact, i)
     f = -stiffness * (height + lag * speed)
     force = iterate(present, w0, f, contact[i, FORCE])
     slope, misfit = constitutive(present, w0, f, force)
     change = gains.law * slope * misfit
-    by_speed = -gains.law * slope * stiffness * now * (gains.r + lag * gains.v)
+    by_motion = scale(-gains.law * slope * stiffness * now, by_approach(turns, gains, lag, up, height, v_new))
     contact[i, FORCE] = force
     contact[i, CHANGE] = change
-    contact[i, SLOPE] = by_speed
-    share, held, by_velocity = sliders.friction_of(friction, ground, gains, length, position, v, force, contact, i)
+    store_from(contact, i, SLOPE, by_motion)
+    share, held, by_velocity = sliders.friction_of(friction, ground, gains, length, up, turns, position, v, force, contact, i)
     along = sub(share, up)  # of the seabed's force, per N and negative
     residual = axpy(force + change, along, held)
-    jacobian = outer(scale(by_speed, along), up)
+    jacobian = add_turn(turns, -force * now * gains.r, outer(along, by_motion))
     return residual, add_matrix(jacobian, by_velocity)
 
 
@@ -192,14 +232,14 @@ def update_contacts(present, friction, ground, gains, mesh, x, like, contact):
     if present is None:
         return False
     cut = False
-    last = x.shape[1] - 1
     for i in range(mesh.shape[0]):
-        change = contact[i, CHANGE] + contact[i, SLOPE] * x[i, last]
+        up = normal_under(ground.relief, ground, contact, i, like)
+        change = contact[i, CHANGE] + dot(load_from(contact, i, SLOPE, like), load(x, i, like))
         own = under(ground.sections, ground, mesh, i)
         length = carried(own, mesh, i)
         before = contact[i, FORCE]
         contact[i, FORCE], limited = step_tension(present, own.smoothing * length, before, change)
-        other = sliders.move_slider(friction, own, gains, length, x, before, contact[i, FORCE], contact, i, like)
+        other = sliders.move_slider(friction, own, gains, length, up, x, before, contact[i, FORCE], contact, i, like)
         cut = cut or limited or other
     return cut
 

@@ -5,12 +5,13 @@ A seabed acts at the end of a step (see seabed.py), and so it is read there: the
 
 import math
 
+from cable_model.kernels.bottom import over_bottom
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.friction import BASE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import carried, under
 from cable_model.kernels.sections import made_of
-from cable_model.kernels.vector import add, axpy, dot, load, load_from, mix, sub, upward, zero
+from cable_model.kernels.vector import add, axpy, dot, load, load_from, mix, sub, zero
 
 
 @kernel
@@ -64,15 +65,15 @@ def _on_bed(seabed, parts, problem, mesh, y0, y1, before, after, sliders, contac
         firm, mass = _under_node(parts, p, mesh, i)
         lag = max(2.0 * bed.damping_ratio * math.sqrt(mass / firm), h)
         length = carried(own, mesh, i)
-        depth = bed.level - height1[len(before) - 1] - lag * y1[n + i, len(before) - 1]
-        f = firm * length * depth
+        above, up = over_bottom(ground.relief, ground, height1)
+        f = -firm * length * (above + lag * dot(load(y1, n + i, before), up))
         w0 = own.smoothing * length
         root = math.sqrt(f * f + w0 * w0)
         pushed = 0.5 * (f + root) if f > 0.0 else 0.5 * w0 * w0 / (root - f)
         rubbed = _friction(parts.friction, own, contact, sliders, i, length, h, before)
         if i > 0 or parts.anchor is None:
-            force = add(force, add(rubbed, upward(pushed, before)))
-        work += pushed * (height1[len(before) - 1] - height0[len(before) - 1]) + dot(rubbed, sub(low1, low0))
+            force = add(force, axpy(pushed, up, rubbed))
+        work += pushed * dot(sub(height1, height0), up) + dot(rubbed, sub(low1, low0))
     return force, work
 
 

@@ -7,6 +7,8 @@ they are what was seen and what it was held against.  doubts.SEEN has the words.
 import math
 from typing import NamedTuple
 
+from cable_model.kernels.bottom import bottom_at
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.ends import horizon
 from cable_model.kernels.family import GENERALIZED_ALPHA
 from cable_model.kernels.fluid import current_motion, flows
@@ -297,11 +299,32 @@ def watch_set_off(parts, p, state, along, outputs):
 
 
 @kernel
+def _no_bottom(seabed, parts, p, state, lower):
+    return
+
+
+@kernel
+def _bottom(seabed, parts, p, state, lower):
+    """An end that is pushed into the seabed: the top, a driven one; on a bottom that is not level, where no rule sees to it, an anchor."""
+    allowed = SUNK * p[0].cable.diameter
+    under = bottom_at(parts.relief, parts.slope, p, state[TOP], state[TOP + 1])
+    if state[TOP + 2] < under - allowed:
+        note(state, BURIED, state[TOP + 2], under)
+    held = parts.driven is not None
+    if parts.slope is not None or parts.relief is not None:
+        held = parts.anchor is not None
+    under = bottom_at(parts.relief, parts.slope, p, lower[0], lower[1])
+    if held and lower[2] < under - allowed:
+        note(state, BURIED, lower[2], under)
+
+
+_watch_bottom = by_presence(_no_bottom, _bottom)
+
+
+@kernel
 def _watch_ends(parts, p, state, lower):
     """Ends that inputs move, the lower one at `lower` (3,): one that they push into the seabed, both where they begin in one place."""
-    lowest = min(state[TOP + 2], lower[2]) if parts.driven is not None else state[TOP + 2]
-    if parts.seabed is not None and lowest < p[0].seabed.level - SUNK * p[0].cable.diameter:
-        note(state, BURIED, lowest, p[0].seabed.level)
+    _watch_bottom(parts.seabed, parts, p, state, lower)
     if parts.driven is None or state[STEPS] > 0.0 or state[PENDING] > 0.0:
         return
     apart = norm(sub((state[TOP], state[TOP + 1], state[TOP + 2]), (lower[0], lower[1], lower[2])))

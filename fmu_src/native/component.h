@@ -208,8 +208,8 @@ static int64_t run(Instance *m, int what, double time, double step, double *outp
     int broken = kernels[m->variant](&status, &error, what, time, step, order, inputs, m->numbers,
                                      m->present, levels ? baked_levels[0] : m->level, levels ? N_BAKED_LEVELS : 1,
                                      baked_current_table[0], N_BAKED_CURRENT_TABLE, N_BAKED_WAVES > 0 ? baked_waves[0] : m->wave, n_waves, baked_curve[0], N_BAKED_CURVE,
-                                     baked_sections[0], N_BAKED_SECTIONS, baked_line_bodies[0], N_BAKED_LINE_BODIES, m->state, m->n_state,
-                                     m->work, m->n_work, outputs);
+                                     baked_relief[0], N_BAKED_RELIEF, baked_sections[0], N_BAKED_SECTIONS, baked_line_bodies[0], N_BAKED_LINE_BODIES,
+                                     m->state, m->n_state, m->work, m->n_work, outputs);
     for (int k = 0; what != SIZES && status == OK && k < N_OUTPUTS; k++)
         if (!isfinite(outputs[k]))
             status = NOT_FINITE;

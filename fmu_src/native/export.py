@@ -137,11 +137,11 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     ok, again, parting = header.OK, host_trials.AGAIN, header.PARTING
     n_inputs, n_parts, n_outputs = len(INPUTS), len(Parts._fields), len(NAMES)
     k_driven = Parts._fields.index("driven")
-    of_current, of_history, of_waves, of_curve, of_pieces, of_bodies = TABLES.values()
+    of_current, of_history, of_waves, of_curve, of_relief, of_pieces, of_bodies = TABLES.values()
 
     def entry(
-        what, time, step, order, x, p, on, levels, n_levels, history, n_history, sea, n_sea, curve, n_rows, pieces, n_pieces,
-        bodies, n_bodies, y, n_y, w, n_w, out,
+        what, time, step, order, x, p, on, levels, n_levels, history, n_history, sea, n_sea, curve, n_rows, heights, n_heights, pieces,
+        n_pieces, bodies, n_bodies, y, n_y, w, n_w, out,
     ):  # fmt: skip
         inputs = carray(x, (n_inputs,))
         numbers = carray(p, (1,))
@@ -151,8 +151,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             carray(history, (n_history, of_history)),
             carray(sea, (of_waves, n_sea)),
         )
-        laws, sections, on_line = (
+        laws, bed, sections, on_line = (
             carray(curve, (n_rows, of_curve)),
+            carray(heights, (n_heights, of_relief)),
             carray(pieces, (n_pieces, of_pieces)),
             carray(bodies, (n_bodies, of_bodies)),
         )
@@ -160,7 +161,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         whole = 1.0
         if what != SIZES and what != START and not is_whole(state):
             whole = 0.0
-        parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
+        parts = parts_now(present, whole, current, over_time, waves, laws, bed, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
@@ -195,7 +196,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                held = held_then(present, 1.0, current, over_time, waves, laws, sections, on_line)
+                held = held_then(present, 1.0, current, over_time, waves, laws, bed, sections, on_line)
                 status = start(parts, held, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif steps:
@@ -205,7 +206,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                     status = parting
                 while status == parting:
                     whole = 1.0 if is_whole(state) else 0.0
-                    parts = parts_now(present, whole, current, over_time, waves, laws, sections, on_line)
+                    parts = parts_now(present, whole, current, over_time, waves, laws, bed, sections, on_line)
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
             if status == ok:
                 write_outputs(parts, numbers, state, work[WORK:], outputs)
