@@ -256,18 +256,33 @@ def read(path: Path) -> Deck:
     )  # fmt: skip
 
 
+def _table(row: Row, folder: Path, label: str, name: str, kind: str, least: int) -> list[Row]:
+    """The rows, at least so many, of the file of this name after three lines of heads; errors name the `label` of what names it."""
+    path = folder / name
+    if not path.is_file():
+        raise row.refused(f"{label} = {name!r}: must be {kind} in {str(folder)!r}. Put the file there.")
+    texts = path.read_text(encoding="utf-8", errors="replace").splitlines()[3:]
+    rows = [Row(path.name, number, tuple(text.split())) for number, text in enumerate(texts, start=4) if text.strip()]
+    if len(rows) < least:
+        raise row.refused(f"{label} = {name!r}: must be a file of 3 lines of heads and at least {least} rows. Complete it.")
+    return rows
+
+
+def read_seafloor(row: Row, folder: Path) -> list[tuple[float, float, float]]:
+    """Heights on a grid, x, y, z (m), in the file that the option SeafloorFile names: a row a point after its size and its x and y.
+
+    Raises ParameterError for a file that is not there or has no table.
+    """
+    rows = _table(row, folder, row.words[1], row.words[0], "a file", 4)
+    return [(point.number_at(0, "x"), point.number_at(1, "y"), point.number_at(2, "z")) for point in rows]
+
+
 def read_curve(row: Row, folder: Path, name: str) -> list[tuple[float, float]]:
     """The table of strain and tension (N) in the file of this name: three lines of heads, then a row a point.
 
     Raises ParameterError for a file that is not there or has no table.
     """
-    path = folder / name
-    if not path.is_file():
-        raise row.refused(f"EA = {name!r}: must be a number or a file in {str(folder)!r}. Put the file there.")
-    texts = path.read_text(encoding="utf-8", errors="replace").splitlines()[3:]
-    rows = [Row(path.name, number, tuple(text.split())) for number, text in enumerate(texts, start=4) if text.strip()]
-    if len(rows) < 2:
-        raise row.refused(f"EA = {name!r}: must be a file of 3 lines of heads and at least 2 rows. Complete it.")
+    rows = _table(row, folder, "EA", name, "a number or a file", 2)
     curve = [(point.number_at(0, "strain"), point.number_at(1, "tension")) for point in rows]
     if not min(curve[-1]) > 0.0:
         raise rows[-1].refused("the last strain and tension: must be > 0. Sort the rows by strain.")

@@ -23,6 +23,7 @@ Where each number goes; both programs are SI, with z up from the still water.  W
     g                          m/s2     environment.gravity, 9.80665 where absent
     rho, WtrDnsty              kg/m3    water.density, 1025 where absent
     WtrDpth                    m        seabed.level = -WtrDpth, or the lowest point below that
+    SeafloorFile               m        seabed.grid, in space; WtrDpth is then not asked for
     kBot                       Pa/m     seabed.stiffness, 3e6 where absent: both are pressure per depth on the diameter
     cBot                       Pa.s/m   seabed.damping_ratio = (cBot/2) sqrt(Diam/(kBot m)), 3e5 where absent: cBot Diam damps a length
     FrictionCoefficient        1        seabed.friction_coefficient
@@ -36,7 +37,7 @@ import re
 from typing import Any
 
 from cable_model.errors import ParameterError
-from cable_model.moordyn import COUPLED, FIXED, FREE, Deck, Line, Point, Row, read_curve
+from cable_model.moordyn import COUPLED, FIXED, FREE, Deck, Line, Point, Row, read_curve, read_seafloor
 from cable_model.parameters import Solver
 from cable_model.scene import Scene, from_dict
 
@@ -52,11 +53,11 @@ _WITHOUT = {
     "dtm": _IMPLICIT, "cfl": _IMPLICIT, "tscheme": _IMPLICIT, "dtic": _REST, "tmaxic": _REST, "cdscaleic": _REST, "threshic": _REST,
     "icgendynamic": _REST, "fileic": _REST, "writelog": _FILES, "writeunits": _FILES, "disableoutput": _FILES, "disableouttime": _FILES,
     "outswitch": _FILES, "wavekin": _WAVES, "dtwave": _WAVES, "currents": _CURRENT, "unifycurrentgrid": _CURRENT,
-    "fricdamp": _FRICTION, "statdynfricscale": _FRICTION, "seafloorfile": "the seabed is level here",
+    "fricdamp": _FRICTION, "statdynfricscale": _FRICTION,
 }  # fmt: skip
 _RESULTS = "every run has the outputs of docs/fmu_variables.md"
 _NONE_AT_ZERO = ("wavekin", "currents")
-_WITH = ("g", "rho", "wtrdpth", "kbot", "cbot", "frictioncoefficient", "dtout")
+_WITH = ("g", "rho", "wtrdpth", "kbot", "cbot", "frictioncoefficient", "dtout", "seafloorfile")
 
 _INSTEAD = {"FAILURE": "give cable.breaking_tension, or parting.time and parting.place"}  # of sections that are left out
 
@@ -79,7 +80,9 @@ class _Translation:
                 known = ", ".join(deck.types) or "none"
                 raise line.row.refused(f"line type {line.type!r} is unknown: known are {known}. Give one of them.")
         self.low, self.top = self.points[0], self.points[-1]
-        self.space = self.low.kind in (FIXED, COUPLED) and self.low.place[1] != self.top.place[1]
+        self.seafloor = self.deck.options.get("seafloorfile")
+        aside = self.low.kind in (FIXED, COUPLED) and self.low.place[1] != self.top.place[1]
+        self.space = aside or self.seafloor is not None
 
     def _option(self, name: str, default: float) -> float:
         row = self.deck.options.get(name)
@@ -238,11 +241,18 @@ class _Translation:
         self.values["environment"] = {"gravity": self._option("g", GRAVITY)}
         self.values["water"] = {"density": self.density}
         depth, lowest = self._option("wtrdpth", 0.0), -min(point.place[2] for point in self.deck.points.values())
-        if lowest > depth:
+        if lowest > depth and self.seafloor is None:
             self._change(f"WtrDpth = {depth:g}", f"the depth is {lowest:g} m, of the lowest point, as in MoorDyn")
         stiffness, damping = self._not_negative("kbot", STIFFNESS), self._not_negative("cbot", DAMPING)
         friction = self._option("frictioncoefficient", 0.0)
         level, cable = -max(depth, lowest), self.values["cable"]
+        grid = None
+        if self.seafloor is not None:
+            name, grid = self.seafloor.words[0], read_seafloor(self.seafloor, self.deck.path.parent)
+            level = max(z for _, _, z in grid)
+            self._change(f"SeafloorFile = {name}", "seabed.grid joins its heights smoothly, by straight lines in MoorDyn")
+            if "wtrdpth" in self.deck.options:
+                self._leave_out(f"WtrDpth = {depth:g}", f"heights come from {name}")
         lowermost, length = cable.get("section", [cable])[0], sum(line.length for line in self.lines)
         if stiffness == 0.0 or level < self.values["top"]["position"][2] - REACH * length:
             why = "kBot is 0" if stiffness == 0.0 else f"it lies deeper than {REACH:g} lengths below the top"
@@ -253,7 +263,8 @@ class _Translation:
         ratio = 0.5 * damping * math.sqrt(lowermost["diameter"] / (stiffness * lowermost["mass_per_length"]))
         if friction:
             self._change(f"FrictionCoefficient = {friction:g}", "friction holds a cable at rest here; in MoorDyn it only slows what slides")
-        self.values["seabed"] = {"level": level, "stiffness": stiffness, "damping_ratio": ratio, "friction_coefficient": friction}
+        height = {"level": level} if grid is None else {"grid": grid}
+        self.values["seabed"] = {**height, "stiffness": stiffness, "damping_ratio": ratio, "friction_coefficient": friction}
 
     def add_settings(self) -> None:
         """Nodes, output step, and every option without a counterpart."""

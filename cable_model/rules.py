@@ -133,7 +133,7 @@ RULES = (
     Rule(
         ~Given("seabed.stiffness") & (
             Given("seabed.level") | Given("seabed.friction_coefficient") | Changed("seabed.damping_ratio") | SLIDING
-            | Given("seabed.slope") | Given("seabed.slope_direction") | HEIGHTS
+            | Given("seabed.slope") | Changed("seabed.slope_direction") | HEIGHTS
         ), "seabed.stiffness", "> 0 for a seabed", "Give the stiffness, or remove [seabed].",
     ),
     Rule(
@@ -152,7 +152,7 @@ RULES = (
     Rule(HEIGHTS & Given("seabed.slope"), "seabed.slope", "0 beside seabed.profile or grid", "Keep one of them."),
     Rule(Given("seabed.profile") & Given("seabed.grid"), "seabed.profile", "empty beside seabed.grid", "Keep one of them."),
     Rule(
-        Given("seabed.slope_direction") & ~Given("seabed.slope"), "seabed.slope_direction", "0 without seabed.slope",
+        Changed("seabed.slope_direction") & ~Given("seabed.slope"), "seabed.slope_direction", "0 without seabed.slope",
         "Give the slope, or remove its direction.",
     ),
     Rule(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chain_support import drive, every, make, scene_of, still, view
+from chain_support import drive, every, make, scene_of, still, swing, view
 from scipy.optimize import fsolve
 
 from cable_model import simulate
@@ -277,3 +277,37 @@ def test_an_end_below_a_bottom_that_is_not_level_is_told(heights, buried):
     result = simulate(make(MOORING, **heights, **place, solver__nodes=11), duration=0.02)
     (warning,) = [text for text in result.warnings if "pushed into the bottom" in text]
     assert ("z = 1 m, the seabed at 3 m" if buried == "top" else "z = -3 m, the seabed at -2 m") in warning
+
+
+# -- energy and momentum
+
+
+X = np.linspace(-25.0, 25.0, 26)
+RIPPLES = np.column_stack((X, 0.4 * np.sin(0.3 * X))).tolist()
+ROUGH = [[x, y, z * (1.0 + 0.02 * y) + 0.01 * y * y] for x, z in RIPPLES for y in (-4.0, -1.0, 1.0, 4.0)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "energy", "force"),
+    [
+        ({"seabed__profile": RIPPLES}, 1e-5, 2e-5),
+        ({"seabed__grid": ROUGH, "solver__space": True}, 1e-5, 2e-5),
+        ({"seabed__profile": RIPPLES, "seabed__friction_coefficient": 0.2}, 3e-4, 2e-4),  # a kink where a slider turns: of first order
+    ],
+    ids=["profile", "grid in space", "profile with friction"],
+)
+def test_energy_and_momentum_close_where_a_cable_is_pulled_over_ripples(changes, energy, force):
+    found = []
+    for step in (0.02, 0.01):
+        model = make(
+            MOORING, **{"seabed__level": 0.0, **changes}, cable__length=30.0, lower_end__x=-15.0, lower_end__z=0.4 * np.sin(-4.5),
+            solver__nodes=17, solver__time_step=step, seabed__stiffness=3e6, solver__audit=True, solver__slack_damping=0.0,
+        )  # fmt: skip
+        motion = swing((0.03, 0.0, 0.0), 1.5, ramp_time=2.0)
+        place = np.array([15.3, 0.0, 0.4 * np.sin(4.59), *[0.0] * 6])
+        drive(model, every(step, 4.0), lambda t, motion=motion, place=place: motion(t) + place)
+        found.append(model.audit)
+    coarse, fine = found
+    assert fine.energy_share < energy
+    assert fine.momentum_share < force
+    assert abs(fine.energy) < 0.6 * abs(coarse.energy)

@@ -19,7 +19,7 @@ from fmu_src.model_description import base_units, least
 
 ROOT = Path(__file__).resolve().parent.parent
 NOT_IN_FMUS = {
-    "cable.stiffness_curve", "cable.section", "cable.body",
+    "cable.stiffness_curve", "cable.section", "cable.body", "seabed.profile", "seabed.grid",
     "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
     "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent",
     "waves.record", "winch.speeds", "current.levels", "current.table", "top.position", "top.motion", "top.table",
@@ -134,8 +134,9 @@ def test_every_parameter_reaches_the_scene():
         values = {row.name: value}
         needs = {"lower_end.anchored": {"body.mass": 0.0}, "cable.inextensible": {"solver.grid": 1, "solver.space": False}}
         needs["solver.grid"] = {"solver.space": False}
-        for name in ("level", "damping_ratio", "friction_coefficient", "friction_velocity", "friction_displacement"):
+        for name in ("level", "damping_ratio", "friction_coefficient", "friction_velocity", "friction_displacement", "slope"):
             needs[f"seabed.{name}"] = {"seabed.stiffness": 1e5}
+        needs["seabed.slope_direction"] = {"seabed.stiffness": 1e5, "seabed.slope": 0.1}
         for axis in "xyz":
             needs[f"lower_end.{axis}"] = {"lower_end.anchored": True, "body.mass": 0.0}
         needs["lower_end.driven"] = {"lower_end.anchored": True, "body.mass": 0.0}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -108,7 +109,6 @@ def test_a_lowered_body_has_every_number_of_its_deck_and_what_has_no_place_is_to
         "changed: WtrDpth = 0: the depth is 600 m, of the lowest point, as in MoorDyn",
         "left out: dtM = 0.01: steps are implicit here: see solver.time_step",
         "left out: WaveKin = 3: give [waves] in the scene",
-        "left out: SeafloorFile = floor.txt: the seabed is level here",
         "left out: NewOption = 1: it is unknown here",
         "changed: output FairTen1: its name here is body.tension",
         "changed: output AnchTen1: its name here is top.tension",
@@ -323,3 +323,32 @@ def test_the_page_has_the_table_of_the_code():
 def test_a_deck_that_is_not_there_is_told(tmp_path):
     with pytest.raises(ParameterError, match=r"no such file\. Give the path of a MoorDyn input file\.$"):
         read(tmp_path / "none.txt")
+
+
+SLOPING = """2 3
+-900 100
+-200 0 200
+-900 -200 -80
+-900 0 -81
+-900 200 -80
+100 -200 -30
+100 0 -30
+100 200 -32
+"""
+
+
+def test_a_seafloor_of_its_own_file_becomes_a_grid(tmp_path):
+    text = (DATA / "chain_50m.txt").read_text(encoding="utf-8")
+    (head,) = [line for line in text.splitlines() if "OPTIONS" in line]
+    path = tmp_path / "lines.txt"
+    path.write_text(text.replace(head, f"{head}\nfloor.txt SeafloorFile"), encoding="utf-8")
+    with pytest.raises(ParameterError, match=r"SeafloorFile = 'floor.txt': must be a file in"):
+        scene_of(read(path))
+    (tmp_path / "floor.txt").write_text(SLOPING, encoding="utf-8")
+    flat, _ = scene_of(read(DATA / "chain_50m.txt"))
+    scene, told = scene_of(read(path))
+    rows = [tuple(float(word) for word in line.split()) for line in SLOPING.splitlines()[3:]]
+    assert scene.seabed == replace(flat.seabed, level=0.0, grid=tuple(rows))
+    assert scene.solver.space
+    assert "changed: SeafloorFile = floor.txt: seabed.grid joins its heights smoothly, by straight lines in MoorDyn" in told
+    assert "left out: WtrDpth = 50: heights come from floor.txt" in told

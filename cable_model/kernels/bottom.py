@@ -107,13 +107,13 @@ def _shape_under(relief, place):
 
 
 @kernel
-def _upright(slope, like):
+def _upright(slope, ground, like):
     return upward(1.0, like)
 
 
 @kernel
-def _sloping(slope, like):
-    return slope
+def _sloping(slope, ground, like):
+    return ground.normal
 
 
 _facing = by_presence(_upright, _sloping)  # the normal of a plane bottom
@@ -121,7 +121,7 @@ _facing = by_presence(_upright, _sloping)  # the normal of a plane bottom
 
 @kernel
 def _over_plane(relief, ground, place):
-    n = _facing(ground.slope, place)
+    n = _facing(ground.slope, ground, place)
     return dot(place, n) - ground.level, n
 
 
@@ -140,7 +140,7 @@ over_bottom = by_presence(_over_plane, _over_relief)  # how far a place is from 
 
 @kernel
 def _one_normal(relief, ground, contact, i, like):
-    return _facing(ground.slope, like)
+    return _facing(ground.slope, ground, like)
 
 
 @kernel

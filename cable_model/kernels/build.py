@@ -77,8 +77,8 @@ _body = by_presence(_no_body, _hung)
 
 
 @kernel
-def _no_slope(slope, parts, p):
-    return None
+def _upright(slope, parts, p):
+    return axes(parts.space, 0.0, 0.0, 1.0)
 
 
 @kernel
@@ -88,20 +88,7 @@ def _inclined(slope, parts, p):
     return axes(parts.space, -c * along_x, -c * along_y, c)
 
 
-_slope = by_presence(_no_slope, _inclined)  # the normal of a bottom that slopes
-
-
-@kernel
-def _all_upward(slope, normal):
-    return 1.0
-
-
-@kernel
-def _partly_upward(slope, normal):
-    return normal[len(normal) - 1]
-
-
-_share_upward = by_presence(_all_upward, _partly_upward)
+_normal = by_presence(_upright, _inclined)  # of the bottom, where it is a plane
 
 
 @kernel
@@ -122,11 +109,11 @@ def _grounded(seabed, parts, p, cable, moves):
     friction = max(moves, laid) * bed.friction_coefficient
     grip, drag = friction * weight / bed.friction_displacement, moves * friction * weight / bed.friction_velocity
     density = density_of(parts.water, p)
-    slope = _slope(parts.slope, parts, p)
-    level = bed.level * _share_upward(parts.slope, slope)
+    normal = _normal(parts.slope, parts, p)
+    level = bed.level * normal[len(normal) - 1]
     return Ground(
         level, stiffness, lag, moves, friction, grip, drag, laid, hung, smoothing, parts.sections, weight, density, p,
-        parts.line_bodies, 0.0, slope, parts.relief,
+        parts.line_bodies, 0.0, parts.slope, normal, parts.relief,
     )  # fmt: skip
 
 

@@ -67,5 +67,5 @@ def _soft_ground(ground, ease, weight, length):
     return Ground(
         ground.level, stiffness, ground.lag, ground.least_lag, ground.friction, ground.grip, ground.drag, ground.laid, ground.body_length,
         max(ground.smoothing, SPREAD * ease * weight / length), ground.sections, ground.weight, ground.density, ground.numbers,
-        ground.bodies, SPREAD * ease * weight / length, ground.slope, ground.relief,
+        ground.bodies, SPREAD * ease * weight / length, ground.slope, ground.normal, ground.relief,
     )  # fmt: skip

@@ -52,8 +52,9 @@ class Ground(NamedTuple):
     numbers: object = None
     bodies: object = None  # on the cable, see line_bodies.py
     spread: float = 0.0  # N/m, that statics give a node's smoothing at least
-    slope: object = None  # the normal of a bottom that slopes
-    relief: object = None  # the table of one that is no plane, see bottom.py
+    slope: object = None  # whether it slopes, and its normal
+    normal: object = None
+    relief: object = None  # the table of a bottom that is no plane, see bottom.py
 
 
 @kernel
@@ -79,7 +80,8 @@ def _of_both_cells(sections, ground, mesh, i):
     return Ground(
         ground.level, ground.stiffness * wide, ground.lag * (massive / wide) ** 0.5, ground.least_lag, ground.friction, ground.grip * heavy,
         ground.drag * heavy, ground.laid, length, max(p[0].solver.slack_smoothing * own, ground.spread), sections, ground.weight,
-        ground.density, p, ground.bodies, ground.spread, ground.slope, ground.relief,
+        ground.density, p, ground.bodies, ground.spread, ground.slope, ground.normal,
+        ground.relief,
     )  # fmt: skip
 
 

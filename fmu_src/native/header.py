@@ -100,7 +100,7 @@ def _variable(row: Variable, rules: Rules, vr: int) -> str:
     return f"{{{', '.join(facts)}}}"
 
 
-LITERALS = 4  # of a Condition
+LITERALS = 5  # of a Condition
 NO_START_RULE = '{{-1, {{0, 0}}}, 0, 0, -1, 0.0, 0, "", ""}'  # C wants one at least
 
 
