@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from catenaries import between_points, touchdown
 from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, fsolve
 
 from cable_model import CableChain, load, simulate
@@ -128,6 +129,44 @@ def test_the_mooring_pulls_as_the_catenary_that_touches_down_with_friction():
     assert found["top.tension"] == pytest.approx(np.hypot(pull, weight * hanging), rel=1e-3)
     left = pull - mu * weight * (scene.cable.length - hanging)  # at the anchor, whose half cell has no friction
     assert found["body.tension"] == pytest.approx(left, abs=mu * weight * scene.cable.length / (scene.solver.nodes - 1))
+
+
+def test_the_bank_mooring_goes_from_its_bank_into_catenaries_in_pieces():
+    """Without friction T (1 + T/(2 EA)) - w z is the same along what lies; what hangs begins along the bank, a cubic of scipy's."""
+    scene = example("bank_mooring", **{"solver.nodes": 141})
+    found = at_rest(scene)
+    chain, rope, upper = scene.cable.section
+    bank = PchipInterpolator(*np.array(scene.seabed.profile).T)
+    top = np.array(scene.top.position)[[0, 2]]
+
+    def weighs(part: Any) -> float:
+        area = part.volume_per_length if part.volume_per_length >= 0.0 else 0.25 * np.pi * part.diameter**2
+        return (part.mass_per_length - scene.water.density * area) * scene.environment.gravity
+
+    def hung(place: np.ndarray, across: float, up: float, part: Any, length: float) -> tuple[np.ndarray, float]:
+        weight, ea = weighs(part), part.axial_stiffness
+        high = up + weight * length
+        x = across * (length / ea + (np.arcsinh(high / across) - np.arcsinh(up / across)) / weight)
+        z = (high**2 - up**2) / (2.0 * ea * weight) + (np.hypot(across, high) - np.hypot(across, up)) / weight
+        return place + np.array([x, z]), high
+
+    def miss(unknown: np.ndarray) -> np.ndarray:
+        at, across = unknown[0], 1e5 * unknown[1]
+        place, up = np.array([at, bank(at)]), across * bank(at, 1)
+        x = np.linspace(0.0, at, 4001)
+        tension, weight, ea = np.hypot(across, up), weighs(chain), chain.axial_stiffness
+        energy = tension * (1.0 + tension / (2.0 * ea)) + weight * (bank(x) - bank(at))
+        lies = np.trapezoid(np.hypot(1.0, bank(x, 1)) / (np.sqrt(1.0 + 2.0 * energy / ea)), x)
+        for part, length in ((chain, chain.length - lies), (rope, rope.length), (upper, upper.length)):
+            place, up = hung(place, across, up, part, length)
+        forces[:] = across, up
+        return place - top
+
+    forces = np.zeros(2)
+    at, _ = fsolve(miss, [240.0, 3.0], xtol=1e-10)
+    assert -found["top.force_x"] == pytest.approx(forces[0], rel=2e-3)
+    assert -found["top.force_z"] == pytest.approx(forces[1], rel=2e-3)
+    assert found["seabed.touchdown_x"] == pytest.approx(at, abs=10.0)
 
 
 def test_the_tow_line_hangs_as_the_continuous_equilibrium_and_nearly_as_a_catenary():

@@ -57,7 +57,7 @@ BAKED: dict[str, tuple[str, dict[str, Any]]] = {
         },
         "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21, "audit": True},
     }),
-    "chain of sections with bodies on it, moored on a bottom": ("chain", {
+    "chain of sections with bodies on it, moored in space on a bottom by a grid, with friction": ("chain", {
         "cable": {
             "section": [
                 {"length": 40.0, "mass_per_length": 8.0, "axial_stiffness": 1e6, "diameter": 0.03, "volume_per_length": 1e-3},
@@ -66,8 +66,12 @@ BAKED: dict[str, tuple[str, dict[str, Any]]] = {
             "normal_drag_coefficient": 1.2, "added_mass_coefficient": 1.0,
             "body": [{"at": 55.0, "mass": 20.0, "volume": 0.04, "drag_area": 0.1, "added_mass": 15.0}],
         },
-        "water": {}, "current": {"speed": 0.2}, "lower_end": {"anchored": True, "x": -50.0, "z": -30.0},
-        "seabed": {"level": -30.0, "stiffness": 1e5}, "solver": {"nodes": 27},
+        "water": {}, "current": {"speed": 0.2, "direction": 0.4}, "lower_end": {"anchored": True, "x": -50.0, "z": -30.0},
+        "seabed": {
+            "grid": [[x, y, -30.0 + 0.04 * (x + 50.0) + 0.002 * y * x] for x in (-80.0, -40.0, -10.0, 30.0) for y in (-20.0, 0.0, 30.0)],
+            "stiffness": 1e5, "friction_coefficient": 0.3,
+        },
+        "solver": {"nodes": 27, "space": True},
     }),
     "chain in a record of waves that grows, in a current over time and by inputs": ("chain", {
         "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
@@ -152,7 +156,7 @@ def test_an_end_that_is_let_go_is_an_anchored_one_at_the_start():
 
 
 def test_what_sections_were_made_of_is_kept_in_fmus():
-    scene = from_dict(BAKED["chain of sections with bodies on it, moored on a bottom"][1])
+    scene = from_dict(BAKED["chain of sections with bodies on it, moored in space on a bottom by a grid, with friction"][1])
     kept = Rules(table(scene), scene, "chain").kept
     for name in ("cable.length", "cable.mass_per_length", "cable.diameter", "cable.volume_per_length", "solver.nodes"):
         assert kept[name].endswith("where a cable with bodies on it is baked in. Bake the scene with the other value.")
