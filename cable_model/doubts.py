@@ -219,6 +219,8 @@ SEEN = (
     "Check cable.breaking_tension and [parting] where it should not.",
     "solver.lambda_infinity = %.3g, above %.3g, where an end is suddenly free: the end goes too fast, up to several times. "
     "Set solver.lambda_infinity = -0.5.",
+    "the cable bends within sqrt(EI/T) = %.3g m of a clamped end, in cells of %.3g m: its moment there is too small. "
+    "Give more solver.nodes, or the last metres a cable.section of their own.",
 )
 
 

@@ -54,6 +54,9 @@ _WATER = {"water.density": 1000.0, "cable.normal_drag_coefficient": 1.2, "cable.
 _SEA = {**_WATER, "waves.spectrum": "jonswap", "waves.significant_height": 0.02, "waves.peak_period": 1.0, "waves.components": 20}
 _SEABED = {"seabed.level": -1.8, "seabed.stiffness": 1e6}
 _SECTIONS = [{"length": 0.75}, {"length": 1.0, "mass_per_length": 0.05}]
+_UNCLAMPED = {
+    end: {f"{end}.clamped": False, f"{end}.clamp_declination": 0.0, f"{end}.clamp_direction": 0.0} for end in ("top", "lower_end")
+}
 _CURVE = [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]
 
 EFFECTS = (
@@ -168,6 +171,17 @@ EFFECTS = (
         "bending", "bending", Given("cable.bending_stiffness"), ("cable.bending_stiffness",), models=(CHAIN,),
         numbers=("cable.bending_stiffness",), left_out={"cable.bending_stiffness": 0.0},
         costs={"bending": {"cable.bending_stiffness": 5e-6}},
+    ),
+    Effect(
+        "top_clamp", "clamped top", Given("top.clamped"), ("top.clamped",), needs=("bending",), models=(CHAIN,), grids=(STAGGERED,),
+        asked=Given("top.clamped"), numbers=("top.clamp_declination", "top.clamp_direction"), parameters=("top.clamped",),
+        left_out=_UNCLAMPED["top"], costs={"bending and a clamped top": {"cable.bending_stiffness": 5e-6, "top.clamped": True}},
+    ),
+    Effect(
+        "lower_clamp", "clamped lower end", Given("lower_end.clamped"), ("lower_end.clamped",), needs=("anchor", "bending"),
+        models=(CHAIN,), grids=(STAGGERED,), goes=True, asked=Given("lower_end.clamped"),
+        numbers=("lower_end.clamp_declination", "lower_end.clamp_direction"), parameters=("lower_end.clamped",),
+        left_out=_UNCLAMPED["lower_end"],
     ),
     Effect(
         "box", "", Given("solver.grid"), ("solver.grid",), models=(CHAIN,), grids=(BOX,), told_to_peers=True, parameters=("solver.grid",),

@@ -92,6 +92,11 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
     "water.elevation": ("m", "height of the waves over still water at the top's place", 1.0, _PLACES),
     "cable.parted": ("1", "0: the cable is whole, 1: a part has gone from its lower end up, 2: all of it has", 1.0, _NONE),
     "cable.remaining_length": ("m", "unstretched length of cable below the top", 100.0, _PLACES),
+    **{
+        f"{end}.moment_{axis}": ("N.m", f"moment of the cable on what clamps its {word}, {axis} (needs {key}.clamped)", 1e3, _PLACES)
+        for end, word, key in (("top", "top", "top"), ("lower", "lower end", "lower_end"))
+        for axis in "xyz"
+    },
     "lower.declination": ("rad", f"angle of the cable's lower end from straight down {_DRIVEN}", 1.0, _PLACES),
 }
 _OF_PROFILES = {  # one value a point of the cable

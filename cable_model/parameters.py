@@ -79,6 +79,9 @@ class LowerEnd:
     release_force: float = quantity("N", "force along x that holds the lower end aside until the start", default=0.0)
     released: bool = quantity("", "whether an anchored lower end is let go at the start", default=False)
     driven: bool = quantity("", "whether a held lower end moves as inputs say", default=False)
+    clamped: bool = quantity("", "whether a held lower end is clamped: the cable begins at the clamp's angles", default=False)
+    clamp_declination: float = quantity("rad", "angle from straight up at which the cable leaves the clamp", default=0.0)
+    clamp_direction: float = quantity("rad", "direction towards which it leans there, from x towards y", default=0.0)
 
 
 @dataclass(frozen=True)
@@ -248,6 +251,9 @@ class Top:
     inputs_at: int = quantity(
         "1", "where in the communication step a co-simulation gives its inputs: 0 at the start, 1 at the end", default=0, least=0, most=1
     )
+    clamped: bool = quantity("", "whether the top is clamped: the cable leaves it at the clamp's angles", default=False)
+    clamp_declination: float = quantity("rad", "angle from straight down at which the cable leaves the clamp", default=0.0)
+    clamp_direction: float = quantity("rad", "direction towards which it leans there, from x towards y", default=0.0)
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "s, m, m, m", "table of [time, x, y, z], displacements that add to the position; joined by a cubic spline", default=()

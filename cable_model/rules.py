@@ -188,6 +188,29 @@ RULES = (
         ~Given("lower_end.anchored") & (Given("lower_end.x") | Given("lower_end.y") | Given("lower_end.z")), "lower_end.anchored",
         "true for a lower end that has a place", "Set lower_end.anchored = true, or remove lower_end.x, y and z.",
     ),
+    *(
+        rule for end in ("top", "lower_end") for rule in (
+            Rule(
+                Given(f"{end}.clamped") & ~Given("cable.bending_stiffness"), f"{end}.clamped", "false without bending stiffness",
+                "Give cable.bending_stiffness.",
+            ),
+            *(
+                Rule(
+                    Changed(f"{end}.{angle}") & ~Given(f"{end}.clamped"), f"{end}.{angle}", "0 where nothing clamps the end",
+                    f"Set {end}.clamped = true, or remove it.",
+                ) for angle in ("clamp_declination", "clamp_direction")
+            ),
+            Rule(~SPACE & Given(f"{end}.clamp_direction"), f"{end}.clamp_direction", *ACROSS),
+        )
+    ),
+    Rule(
+        Given("lower_end.clamped") & ~Given("lower_end.anchored"), "lower_end.clamped", "false for an end that nothing holds",
+        "Set lower_end.anchored = true.",
+    ),
+    Rule(
+        Given("lower_end.clamped") & Given("lower_end.released"), "lower_end.clamped", "false for an end that is let go",
+        "Set lower_end.released = false.",
+    ),
     Rule(
         Given("parting.place") & ~(Given("parting.time") | Given("parting.by_input")), "parting.place", "0 where nothing cuts the cable",
         "Give parting.time or set parting.by_input = true, or remove it.",

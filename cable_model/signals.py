@@ -33,6 +33,7 @@ OUTPUTS = (
     "seabed.touchdown_x", "seabed.touchdown_y", "seabed.touchdown_z",
     "winch.paid_out", "water.elevation",
     "cable.parted", "cable.remaining_length",
+    "top.moment_x", "top.moment_y", "top.moment_z", "lower.moment_x", "lower.moment_y", "lower.moment_z",
 )  # fmt: skip
 
 SHAPE = tuple(f"shape.{of}[{i}]" for i in range(1, SHAPE_POINTS + 1) for of in ("x", "y", "z", "tension"))  # told where they are asked for

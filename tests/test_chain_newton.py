@@ -109,6 +109,7 @@ GROUND = {
 HILLS = [[-1.0, -1.9], [-0.2, -1.7], [0.4, -1.85], [1.0, -1.6], [2.0, -1.8]]
 LANDSCAPE = [[x, y, z + 0.1 * np.sin(3.0 * y + x)] for x, z in HILLS for y in (-1.0, -0.3, 0.2, 1.0)]
 RELIEF = {**GROUND, "seabed__level": 0.0}
+CLAMP = {"top__clamped": True, "top__clamp_declination": 0.7}
 JOINTS = {
     "cable__section": [
         {"length": 0.7, "mass_per_length": 0.3, "axial_stiffness": 4e4, "diameter": 0.03, "bending_stiffness": 3e-3},
@@ -130,6 +131,21 @@ SCENES = {
     "plane, profile with friction": (PLAIN, {**RELIEF, "seabed__profile": HILLS}),
     "space, profile": (PLAIN, {**RELIEF, "seabed__profile": HILLS, "seabed__friction_coefficient": 0.0, "solver__space": True}),
     "space, grid with friction": (PLAIN, {**RELIEF, "seabed__grid": LANDSCAPE, "solver__space": True}),
+    "plane, clamped top": (PLAIN, {**CLAMP, "cable__bending_stiffness": 1e-2}),
+    "space, both ends clamped": (
+        PLAIN,
+        {
+            **CLAMP,
+            "top__clamp_direction": 0.5,
+            "lower_end__anchored": True,
+            "lower_end__x": 0.9,
+            "lower_end__z": -1.9,
+            "lower_end__clamped": True,
+            "lower_end__clamp_declination": 0.4,
+            "cable__bending_stiffness": 1e-2,
+            "solver__space": True,
+        },
+    ),
     "plane, winch": (PLAIN, {"winch__fitted": True}),
     "plane, table of the stiffness": (PLAIN, {"cable__stiffness_curve": [[0.0, 0.0], [0.01, 1.5], [0.05, 20.0]]}),
     "plane, winch, quadratic damping": (PLAIN, {"winch__fitted": True, "cable__quadratic_damping": 0.3}),

@@ -147,6 +147,10 @@ def test_every_parameter_reaches_the_scene():
         needs["parting.place"] = {"parting.time": 1.0}
         needs["current.ramp_time"] = {"current.speed": 0.5}
         needs["wave.ramp_time"] = {"wave.amplitude": 0.5}
+        for end, held in (("top", {}), ("lower_end", {"lower_end.anchored": True, "body.mass": 0.0})):
+            needs[f"{end}.clamped"] = {"cable.bending_stiffness": 10.0, **held}
+            for angle in ("declination", "direction"):
+                needs[f"{end}.clamp_{angle}"] = {**needs[f"{end}.clamped"], f"{end}.clamped": True}
         needs["tow.as_printed"] = {"solver.space": False}
         extra = needs.get(row.name, {})
         model = used_by(row.scene_name)[0]

@@ -29,6 +29,8 @@ SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
         {"solver.grid": 1}, {"cable.breaking_tension": 4500.0}, {"parting.time": 1.0, "parting.place": 40.0},
         {"body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0, "body.added_mass": 0.0},
         {**MOORED, "lower_end.x": 0.0, "lower_end.z": 0.0}, {**MOORED, "seabed.slope": 0.05},
+        {"cable.bending_stiffness": 500.0, "top.clamped": True, "top.clamp_declination": 0.2},
+        {**MOORED, "cable.bending_stiffness": 500.0, "lower_end.clamped": True, "lower_end.clamp_declination": 1.0},
     ),
     "tow": (
         {}, SEA, {"tow.poisson_ratio": 0.3, "tow.reference_tension": 1e3}, {"tow.body_angle": 0.5, "tow.drag_area_axial": 0.7},

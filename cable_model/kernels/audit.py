@@ -18,14 +18,13 @@ from cable_model.kernels.choice import by_presence
 from cable_model.kernels.exchange import TO_LOWER, TOLD
 from cable_model.kernels.header import AUDIT, LAG, STEPS
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import axes
 from cable_model.kernels.pending import ahead_to_end
 from cable_model.kernels.problem import total_weight
 from cable_model.kernels.seabed_audit import bed_in_step
 from cable_model.kernels.staggered import FADING
 from cable_model.kernels.staggered_audit import change_of_momentum, pull_of_anchor, stored, taken_by_damping, water_in_step
 from cable_model.kernels.staggered_chain import end_forces, tensions_now, unwound
-from cable_model.kernels.vector import add, dot, norm, scale, sub
+from cable_model.kernels.vector import add, axes, dot, norm, scale, sub
 
 ENERGY = AUDIT  # what lacks, J
 MOMENTUM = AUDIT + 1  # what lacks, N

@@ -6,7 +6,6 @@ from cable_model.kernels.bottom import slope_of
 from cable_model.kernels.cells import presence, wave_damping
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import axes
 from cable_model.kernels.problem import (
     Body,
     Numeric,
@@ -22,6 +21,7 @@ from cable_model.kernels.problem import (
     with_some_weight,
 )
 from cable_model.kernels.seabed import Ground
+from cable_model.kernels.vector import axes
 
 
 @kernel

@@ -6,10 +6,10 @@ from cable_model.kernels import grid, header
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.fluid import Stream, with_stream
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import axes, vector_at
+from cable_model.kernels.layout import vector_at
 from cable_model.kernels.path import CARRIED, LOWER_END, UPPER_END, Ends, arrive, leaves_plane, stream_crosses, take_stream
 from cable_model.kernels.pending import followed
-from cable_model.kernels.vector import axpy, sub
+from cable_model.kernels.vector import axes, axpy, sub
 
 
 class Course(NamedTuple):

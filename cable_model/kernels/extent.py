@@ -7,6 +7,7 @@ unstretched length above.
 from cable_model.kernels.bottom import normal_under
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.clamps import tell_torque_at_top, tell_torque_below, turned_at_top, turned_below
 from cable_model.kernels.header import TIME, TOP
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
@@ -17,6 +18,7 @@ from cable_model.kernels.waves import elevation
 
 MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three
 PAID_OUT, ELEVATION, HAS_PARTED, REMAINING = 40, 41, 42, 43  # likewise
+TORQUES = 44  # of both ends, three each
 CARRIED = 0.5  # of what a bottom carries of a node that lies on it, where the cable touches down
 
 
@@ -31,6 +33,8 @@ def tell_whole(length, paid_out, out):
     out[PAID_OUT] = paid_out
     out[HAS_PARTED] = 0.0
     out[REMAINING] = length
+    for k in range(6):
+        out[TORQUES + k] = 0.0
 
 
 @kernel
@@ -116,7 +120,14 @@ def _stiff(bending, parts, problem, mesh, y, top, out):
     for j in range(1, mesh.shape[0]):
         turn = norm(sub(load(y, j, top), load(y, j - 1, top)))
         largest = max(largest, turn_stiffness(parts.sections, parts, problem, mesh, j) * turn)
+    for turned in (
+        turned_below(parts.lower_clamp, parts, problem, mesh, y, top),
+        turned_at_top(parts.top_clamp, parts, problem, mesh, y, top),
+    ):
+        largest = max(largest, norm(turned))
     out[MOMENT] = largest
+    tell_torque_at_top(parts.top_clamp, parts, problem, mesh, y, top, out, TORQUES)
+    tell_torque_below(parts.lower_clamp, parts, problem, mesh, y, top, out, TORQUES + 3)
 
 
 tell_moment = by_presence(_limp, _stiff)

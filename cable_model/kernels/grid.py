@@ -340,7 +340,7 @@ def _staggered_measure(box, parts, problem, p, view, last, offset, ahead, top, w
         highest, nearest = _see_bodies(parts.line_bodies, mesh, i, position, highest, nearest)
     largest = staggered_chain.largest_at_bodies(parts.line_bodies, parts, problem, mesh, view.y, top, view.scratch, largest)
     forces = staggered_chain.end_forces(parts, problem, mesh, view.y, view.scratch.a, top, position, winding, time, view.scratch)
-    tangents = staggered_chain.end_tangents(mesh, view.y, top)
+    tangents = staggered_chain.end_tangents(parts, p, mesh, view.y, top)
     tensions = staggered_chain.end_tensions(
         parts, problem, mesh, view.y, view.scratch.a, forces, tangents, position, winding, time, view.scratch
     )  # fmt: skip

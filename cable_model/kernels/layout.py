@@ -12,6 +12,7 @@ from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
 from cable_model.kernels.sections import mesh_columns
+from cable_model.kernels.vector import axes
 
 
 class View(NamedTuple):
@@ -31,19 +32,6 @@ class View(NamedTuple):
     yd0: object
     bridge: object  # (9, 7): path of the ends over the pending time, see pending.py
     scratch: object
-
-
-@kernel
-def _in_plane(space, x, y, z):
-    return (x, z)
-
-
-@kernel
-def _in_space(space, x, y, z):
-    return (x, y, z)
-
-
-axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimension
 
 
 @kernel

@@ -3,6 +3,7 @@
 from cable_model.kernels import header
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.clamps import tangent_at_top, tangent_below
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import joint, mass_on
@@ -86,10 +87,13 @@ def axial_force(parts, problem, mesh, y, i, like, s):
 
 
 @kernel
-def end_tangents(mesh, y, like):
-    """Directions of the cable at its ends, towards the top: on the lines through those of the two cells at each."""
+def end_tangents(parts, p, mesh, y, like):
+    """Directions of the cable at its ends, towards the top: on the lines through those of the two cells at each, or the clamp's."""
     m = mesh.shape[0]
-    return Ends(_led_on(mesh, y, m - 1, m - 2, like), _led_on(mesh, y, 0, 1, like))
+    return Ends(
+        tangent_at_top(parts.top_clamp, parts, p, _led_on(mesh, y, m - 1, m - 2, like)),
+        tangent_below(parts.lower_clamp, parts, p, _led_on(mesh, y, 0, 1, like)),
+    )
 
 
 @kernel

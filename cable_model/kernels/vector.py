@@ -3,7 +3,21 @@
 numba keeps such tuples in registers and drops the branch of the other dimension, so one source serves plane and space.
 """
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+
+
+@kernel
+def _in_plane(space, x, y, z):
+    return (x, z)
+
+
+@kernel
+def _in_space(space, x, y, z):
+    return (x, y, z)
+
+
+axes = by_presence(_in_plane, _in_space)  # a vector in the chain's own dimension
 
 
 @kernel

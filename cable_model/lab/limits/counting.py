@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from cable_model.kernels import grid, header, layout
+from cable_model.kernels import grid, header, layout, vector
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.path import Ends
@@ -101,7 +101,7 @@ def _iteration(case: str, nodes: int) -> tuple[dict[str, int], float]:
     state[header.CONTRACTION] = 1e-9  # known to converge fast: one iteration
     view = layout.cut(parts, p, state, work)
     problem, c = build(parts, p, 0.0), coefficients(0, -0.9)
-    like = layout.axes(parts.space, 0.0, 0.0, 0.0)
+    like = vector.axes(parts.space, 0.0, 0.0, 0.0)
     Counted.operations = dict.fromkeys(LATENCY, 0)
     iterations = grid.newton_step(
         parts.box, parts, problem, view, c, 0.0, 0.005, 1.0, like, like, Ends(like, like), Winding(problem.cable.length, 0.0, 0.0)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numba
 
-from cable_model.kernels import grid, header, layout
+from cable_model.kernels import grid, header, layout, vector
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.path import Ends
@@ -133,7 +133,7 @@ def _stepper(case: str, nodes: int) -> Callable[[], int]:
     view.yd0[:] = view.yd
     problem, c = build(parts, p, 0.0), coefficients(0, -0.9)
     top = motion(0.5)
-    place, velocity = (layout.axes(parts.space, *top[3 * k : 3 * k + 3]) for k in range(2))
+    place, velocity = (vector.axes(parts.space, *top[3 * k : 3 * k + 3]) for k in range(2))
     winding = Winding(problem.cable.length, 0.0, 0.0)
 
     def step_once() -> int:

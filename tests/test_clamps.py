@@ -1,0 +1,200 @@
+"""Clamped ends against beams: cantilevers, taut and built-in beams, their moments, their modes and their balances."""
+
+import numpy as np
+import pytest
+from chain_support import drive, every, make, still, swing
+from scipy.integrate import solve_bvp
+
+from cable_model import simulate
+from cable_model.errors import ParameterError
+from cable_model.signals import OUTPUTS
+
+pytestmark = pytest.mark.plain
+
+GRAVITY = 9.81
+BEAM = {  # 2 m, held at its top so that it leaves it level along x
+    "cable": {"length": 2.0, "mass_per_length": 0.05, "axial_stiffness": 1e6, "bending_stiffness": 10.0},
+    "environment": {"gravity": GRAVITY},
+    "top": {"clamped": True, "clamp_declination": np.pi / 2.0},
+    "solver": {"nodes": 21, "grading": 1.0, "time_step": 0.01, "lambda_infinity": -0.5},
+}
+HUNG = {  # 1 t on 10 m of a stiff cable without weight, which leaves its top at 0.05 rad
+    "cable": {"length": 10.0, "mass_per_length": 1e-3, "axial_stiffness": 1e8},
+    "environment": {"gravity": GRAVITY}, "body": {"mass": 1000.0},
+    "top": {"clamped": True, "clamp_declination": 0.05},
+    "solver": {"nodes": 41, "grading": 1.0},
+}  # fmt: skip
+
+
+def at_rest(model, place=(0.0, 0.0, 0.0)) -> dict[str, float]:
+    model.initialize(still(place)(0.0))
+    return dict(zip(OUTPUTS, model.outputs.tolist(), strict=True))
+
+
+def elastica(length: float, weight: float, bending: float, tip: float) -> tuple[float, float, float, float]:
+    """Place (x, z) of the free end and moment at the clamp, N m, of an inextensible beam that begins level and carries `tip` at its end.
+
+    With the angle a below the level EI a'' = -V cos a, V the weight beyond s: the moment EI a' falls from the clamp to nothing.
+    """
+
+    def slope(s: np.ndarray, y: np.ndarray) -> np.ndarray:
+        angle, turn = y[0], y[1]
+        return np.array([turn, -(tip + weight * (length - s)) * np.cos(angle) / bending, np.cos(angle), -np.sin(angle)])
+
+    s = np.linspace(0.0, length, 201)
+    found = solve_bvp(
+        slope, lambda a, b: np.array([a[0], a[2], a[3], b[1]]), s, np.zeros((4, s.size)) + 0.1 * s, tol=1e-9, max_nodes=100000
+    )
+    assert found.success
+    return found.y[2, -1], found.y[3, -1], bending * found.y[1, 0], found.y[0, -1]
+
+
+@pytest.mark.parametrize(("bending", "mass"), [(10.0, 0.0), (1.0, 0.0), (0.3, 0.0), (1.0, 0.1)])
+def test_a_cantilever_sags_as_the_elastica(bending, mass):
+    """From 5 % of its length to a beam that hangs nearly straight down."""
+    body = {"body__mass": mass} if mass else {}
+    x, z, moment, _ = elastica(2.0, 0.05 * GRAVITY, bending, mass * GRAVITY)
+    errors = []
+    for nodes in (11, 21, 41):
+        model = make(BEAM, cable__bending_stiffness=bending, solver__nodes=nodes, **body)
+        found = at_rest(model)
+        errors.append(np.hypot(found["body.x"] - x, found["body.z"] - z))
+        assert found["top.moment_y"] == pytest.approx(moment, rel=6.0 / nodes**2)
+        assert found["cable.bending_moment_max"] == pytest.approx(found["top.moment_y"], rel=1e-2)
+        # and in balance with the weights, whatever the mesh
+        places, mesh = model.positions(), np.diff(np.linspace(0.0, 2.0, nodes))
+        carried = 0.05 * GRAVITY * np.convolve(mesh, [0.5, 0.5])
+        carried[0] += mass * GRAVITY
+        assert found["top.moment_y"] == pytest.approx(np.sum(carried * places[:, 0]), rel=1e-6)
+    assert errors[-1] < 2e-3
+    assert errors[1] < 0.3 * errors[0] and errors[2] < 0.3 * errors[1]
+
+
+@pytest.mark.parametrize("reach", [2.0, 1.0, 0.5])
+def test_a_taut_cable_turns_from_its_clamp_within_the_root_of_bending_over_tension(reach):
+    """M = phi sqrt(EI T), and the body hangs phi sqrt(EI/T) aside; the cells' share of it is 0.12 of its square."""
+    tension = 1000.0 * GRAVITY
+    found = at_rest(make(HUNG, cable__bending_stiffness=tension * reach**2))
+    error = 0.13 * (0.25 / reach) ** 2
+    end = np.tanh(10.0 / reach)
+    assert found["top.moment_y"] == pytest.approx(0.05 * tension * reach * end, rel=error)
+    assert found["body.x"] == pytest.approx(0.05 * reach * end, rel=error)
+    assert found["top.tension"] == pytest.approx(tension * np.cos(0.05), rel=1e-4)  # along the clamp
+    assert found["top.declination"] == pytest.approx(0.05, abs=1e-12)
+
+
+@pytest.mark.parametrize(("nodes", "told"), [(41, False), (15, True)])
+def test_cells_that_do_not_resolve_the_bend_are_told(nodes, told):
+    result = simulate(make(HUNG, cable__bending_stiffness=1000.0 * GRAVITY, solver__nodes=nodes), duration=0.05)
+    assert [text.startswith("the cable bends within sqrt(EI/T) = 1 m of a clamped end") for text in result.warnings] == [True] * told
+
+
+@pytest.mark.parametrize("space", [False, True])
+def test_a_beam_built_in_at_both_ends_has_their_moments(space):
+    """w L^2/12 at both, f = w L^4/(384 EI): a beam that nothing stretches."""
+    level = {"clamped": True, "clamp_declination": np.pi / 2.0, "clamp_direction": np.pi}
+    changes = {"solver__space": space, "cable__bending_stiffness": 1000.0}
+    model = make({**BEAM, "top": level, "lower_end": {**level, "anchored": True, "clamp_direction": 0.0}}, **changes)
+    found = at_rest(model, (2.0, 0.0, 0.0))
+    moment = 0.05 * GRAVITY * 4.0 / 12.0
+    assert found["top.moment_y"] == pytest.approx(-moment, rel=5e-3)
+    assert found["lower.moment_y"] == pytest.approx(moment, rel=5e-3)
+    assert model.positions()[10, 2] == pytest.approx(-0.05 * GRAVITY * 16.0 / (384.0 * 1000.0), rel=2e-2)
+    assert [found[f"{end}.moment_{axis}"] for end in ("top", "lower") for axis in "xz"] == pytest.approx([0.0] * 4, abs=1e-9)
+
+
+def test_which_way_a_clamp_turns_makes_no_difference():
+    base = {**BEAM, "cable": {**BEAM["cable"], "bending_stiffness": 0.5}, "top": {"clamped": True, "clamp_declination": 1.1}}
+    plane, turned = at_rest(make(base)), at_rest(make(base, top__clamp_direction=0.8, solver__space=True))
+    c, s = np.cos(0.8), np.sin(0.8)
+    assert [turned[f"body.{k}"] for k in "xyz"] == pytest.approx([c * plane["body.x"], s * plane["body.x"], plane["body.z"]], abs=1e-6)
+    moment = plane["top.moment_y"]
+    assert [turned[f"top.moment_{k}"] for k in "xyz"] == pytest.approx([-s * moment, c * moment, 0.0], abs=1e-6)
+
+
+def test_the_end_that_is_called_top_makes_no_difference():
+    """A cable between two clamps, once each way round."""
+    ends = ((0.0, 0.0, 0.0), (1.6, 0.0, 0.3))
+    cable, solver = {**BEAM["cable"], "bending_stiffness": 0.5}, {**BEAM["solver"], "slack_smoothing": 1e-4}
+    common = {"cable": cable, "environment": BEAM["environment"], "solver": solver}
+    one = make({
+        **common, "top": {"clamped": True, "clamp_declination": 0.3, "clamp_direction": np.pi},
+        "lower_end": {"anchored": True, "clamped": True, "clamp_declination": 2.5, "x": ends[0][0], "z": ends[0][2]},
+    })  # fmt: skip
+    other = make({
+        **common, "top": {"clamped": True, "clamp_declination": np.pi - 2.5},
+        "lower_end": {
+            "anchored": True, "clamped": True, "clamp_declination": np.pi - 0.3, "clamp_direction": np.pi, "x": ends[1][0], "z": ends[1][2],
+        },
+    })  # fmt: skip
+    found, turned = at_rest(one, ends[1]), at_rest(other, ends[0])
+    assert other.positions()[::-1] == pytest.approx(one.positions(), abs=2e-5)
+    assert turned["top.moment_y"] == pytest.approx(found["lower.moment_y"], rel=1e-3)
+    assert turned["lower.moment_y"] == pytest.approx(found["top.moment_y"], rel=1e-3)
+
+
+@pytest.mark.parametrize(("modes", "both"), [(3.5160, False), (22.373, True)])
+def test_a_beam_swings_with_its_own_frequency(modes, both):
+    """omega = c sqrt(EI/(m L^4)): shaken at it, it takes the motion up fastest; measured by its free swings after the top has stopped."""
+    omega = modes * np.sqrt(10.0 / (0.05 * 2.0**4))
+    turned = {"clamped": True, "clamp_declination": np.pi / 2.0, "clamp_direction": np.pi}
+    base = {**BEAM, "top": {**turned, "clamp_direction": np.pi if both else 0.0}}
+    if both:
+        base["lower_end"] = {**turned, "anchored": True, "clamp_direction": 0.0}
+    model = make(
+        base, environment__gravity=0.0, solver__lambda_infinity=-1.0, solver__time_step=2.0 * np.pi / omega / 100.0,
+        cable__compressible=True,
+    )  # fmt: skip
+    place = np.array([2.0 if both else 0.0, *[0.0] * 8])
+    period, step = 2.0 * np.pi / omega, 2.0 * np.pi / omega / 100.0
+
+    def push(t: float) -> np.ndarray:
+        """One smooth jolt of the top, of half a period."""
+        s = min(t / (0.5 * period), 1.0)
+        state = place.copy()
+        state[2] = 1e-4 * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        state[5] = 1e-4 * 30.0 * (s - s * s) ** 2 / (0.5 * period) if s < 1.0 else 0.0
+        return state
+
+    heights = []
+    drive(model, every(step, 8.0 * period), push, lambda t: heights.append(model.positions()[10 if both else 0, 2] - 1e-4))
+    swing_of = np.array(heights)[60:]
+    middle = swing_of - swing_of.mean()
+    k = np.nonzero((middle[:-1] < 0.0) & (middle[1:] >= 0.0))[0]
+    crossed = (k + middle[k] / (middle[k] - middle[k + 1])) * step
+    assert 2.0 * np.pi / np.diff(crossed).mean() == pytest.approx(omega, rel=0.02)
+
+
+def test_energy_and_momentum_close_between_two_clamps():
+    found = []
+    base = {
+        **BEAM, "top": {"clamped": True, "clamp_declination": 0.8, "clamp_direction": np.pi},
+        "lower_end": {"anchored": True, "clamped": True, "clamp_declination": 0.5},
+    }  # fmt: skip
+    for step in (0.01, 0.005):
+        model = make(
+            base, cable__bending_stiffness=1.0, cable__axial_stiffness=1e3, solver__nodes=11, solver__time_step=step, solver__audit=True,
+            solver__slack_damping=0.0,
+        )  # fmt: skip
+        motion = swing((0.02, 0.0, 0.03), 6.0, ramp_time=0.5)
+        drive(model, every(step, 2.0), lambda t, motion=motion: motion(t) + np.array([0.8, 0.0, 1.4, *[0.0] * 6]))
+        found.append(model.audit)
+    coarse, fine = found
+    assert fine.energy_share < 1e-3 and fine.momentum_share < 1e-4
+    assert abs(fine.energy) < 0.4 * abs(coarse.energy)
+    assert fine.momentum < 0.4 * coarse.momentum
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"cable__bending_stiffness": 0.0}, "top.clamped = True: must be false without bending stiffness"),
+        ({"top__clamped": False}, "top.clamp_declination = .*: must be 0 where nothing clamps the end"),
+        ({"top__clamp_direction": 0.5}, "top.clamp_direction = 0.5 rad: must be 0 or pi in the plane"),
+        ({"lower_end__clamped": True}, "lower_end.clamped = True: must be false for an end that nothing holds"),
+        ({"solver__grid": "box"}, "top.clamped"),
+    ],
+)
+def test_what_cannot_be_clamped_is_refused(changes, text):
+    with pytest.raises(ParameterError, match=text):
+        make(BEAM, **changes)
