@@ -57,6 +57,7 @@ _SECTIONS = [{"length": 0.75}, {"length": 1.0, "mass_per_length": 0.05}]
 _UNCLAMPED = {
     end: {f"{end}.clamped": False, f"{end}.clamp_declination": 0.0, f"{end}.clamp_direction": 0.0} for end in ("top", "lower_end")
 }
+_HELD = {"lower_end.anchored": True, "lower_end.z": -1.6}
 _CURVE = [[0.0, 0.0], [0.01, 171.675], [0.1, 1716.75]]
 
 EFFECTS = (
@@ -182,6 +183,7 @@ EFFECTS = (
         models=(CHAIN,), grids=(STAGGERED,), goes=True, asked=Given("lower_end.clamped"),
         numbers=("lower_end.clamp_declination", "lower_end.clamp_direction"), parameters=("lower_end.clamped",),
         left_out=_UNCLAMPED["lower_end"],
+        costs={"bending and a clamped anchor": {"cable.bending_stiffness": 5e-6, **_HELD, "lower_end.clamped": True}},
     ),
     Effect(
         "box", "", Given("solver.grid"), ("solver.grid",), models=(CHAIN,), grids=(BOX,), told_to_peers=True, parameters=("solver.grid",),

@@ -198,3 +198,40 @@ def test_energy_and_momentum_close_between_two_clamps():
 def test_what_cannot_be_clamped_is_refused(changes, text):
     with pytest.raises(ParameterError, match=text):
         make(BEAM, **changes)
+
+
+# -- springs and dampers as sections
+
+SPRING = {"length": 1.0, "mass_per_length": 0.1, "axial_stiffness": 5e4, "axial_damping": 0.0}
+SPRUNG = {  # 1 t on 50 m of wire below a spring
+    "cable": {"section": [{"length": 50.0, "mass_per_length": 0.5, "axial_stiffness": 2e7}, SPRING]},
+    "environment": {"gravity": GRAVITY}, "body": {"mass": 1000.0},
+    "solver": {"nodes": 9, "lambda_infinity": -1.0, "time_step": 0.01, "slack_damping": 0.0},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("damping", [0.0, 2000.0])
+def test_a_section_is_a_spring_at_the_end_and_a_damper(damping):
+    """The load's place at rest, and its bounce after a jolt: omega^2 = k/M (1 - zeta^2), with its decrement."""
+    spring = {**SPRING, "axial_damping": damping}
+    model = make(SPRUNG, cable__section=[SPRUNG["cable"]["section"][0], spring])
+    weight, hung = 1000.0 * GRAVITY, 25.1 * GRAVITY
+    found = at_rest(model)
+    stretch = (weight + 0.5 * 25.0 * GRAVITY) / 2e7 * 50.0 + (weight + hung) / 5e4
+    assert found["body.z"] == pytest.approx(-51.0 - stretch, abs=1e-4)
+    k, mass = 1.0 / (1.0 / 5e4 + 50.0 / 2e7), 1000.0 + 25.0 * (1.0 - 0.5 * 5e4 / (2e7 / 50.0))
+    omega, zeta = np.sqrt(k / mass), damping * (k / 5e4) ** 2 / (2.0 * np.sqrt(k * mass))
+    step = 0.01
+
+    def jolt(t: float) -> np.ndarray:
+        s = min(t / 0.3, 1.0)
+        state = np.zeros(9)
+        state[2] = 0.05 * s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+        state[5] = 0.05 * 30.0 * (s - s * s) ** 2 / 0.3 if s < 1.0 else 0.0
+        return state
+
+    heights = drive(model, every(step, 6.0), jolt)["body.z"][40:] - found["body.z"] - 0.05
+    peaks = np.nonzero((heights[1:-1] > heights[:-2]) & (heights[1:-1] >= heights[2:]))[0] + 1
+    assert np.diff(peaks).mean() * step == pytest.approx(2.0 * np.pi / (omega * np.sqrt(1.0 - zeta**2)), rel=0.01)
+    decrement = np.log(heights[peaks[0]] / heights[peaks[-1]]) / (len(peaks) - 1)
+    assert decrement == pytest.approx(2.0 * np.pi * zeta / np.sqrt(1.0 - zeta**2), abs=0.02 * max(zeta, 0.01) * 2.0 * np.pi + 2e-3)

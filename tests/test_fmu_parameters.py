@@ -30,6 +30,7 @@ SETTINGS: dict[str, tuple[dict[str, Any], ...]] = {
         {"body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0, "body.added_mass": 0.0},
         {**MOORED, "lower_end.x": 0.0, "lower_end.z": 0.0}, {**MOORED, "seabed.slope": 0.05},
         {"cable.bending_stiffness": 500.0, "top.clamped": True, "top.clamp_declination": 0.2},
+        {**MOORED, "cable.bending_stiffness": 500.0},
         {**MOORED, "cable.bending_stiffness": 500.0, "lower_end.clamped": True, "lower_end.clamp_declination": 1.0},
     ),
     "tow": (

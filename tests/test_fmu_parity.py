@@ -1,6 +1,8 @@
-"""The FMUs on a seabed that slopes: what the library gives, restored states, and an anchor below the bottom that is told."""
+"""The FMUs on a seabed that slopes, and with clamped ends: what the library gives, restored states, and what is told."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 import pytest
@@ -20,18 +22,30 @@ MOORED = {
 }  # fmt: skip
 
 
+CLAMPED = {
+    "cable.bending_stiffness": 2e4, "top.clamped": True, "top.clamp_declination": 0.1, "lower_end.anchored": True, "lower_end.x": 40.0,
+    "lower_end.z": -80.0, "lower_end.clamped": True, "lower_end.clamp_declination": 0.9, "lower_end.clamp_direction": math.pi,
+    "body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0, "body.added_mass": 0.0, "top.motion_order": 2,
+}  # fmt: skip
+SLOPING = {"seabed.slope_direction": 0.2, "lower_end.z": -48.0 - 0.2 * 60.0 * math.cos(0.2)}
+CASES = {
+    "slope": (MOORED, SLOPING, ("seabed that slopes",)),
+    "clamps": (CLAMPED, {"top.clamp_direction": 0.3}, ("clamped top", "clamped lower end")),
+}
+
+
 @pytest.mark.parametrize("flavour", FLAVOURS)
 @pytest.mark.parametrize("space", [False, True])
-def test_every_fmu_gives_what_the_library_gives_over_a_slope_and_restores_it(request, flavour, space):
+@pytest.mark.parametrize("case", CASES)
+def test_every_fmu_gives_what_the_library_gives_and_restores_it(request, flavour, space, case):
     fmu = request.getfixturevalue(flavour)["chain"]
-    values = {**MOORED, "solver.space": space, "seabed.slope_direction": 0.2 if space else 0.0}
-    if space:
-        values["lower_end.z"] = -48.0 - 0.2 * 60.0 * np.cos(0.2)
+    plane, in_space, words = CASES[case]
+    values = {**plane, "solver.space": space, **(in_space if space else {})}
     inputs = np.array([[*sway(k * STEP), *[0.0] * (len(INPUTS) - 9)] for k in range(40)])
     instance = fmu.instance()
     found = native_run(instance, values, inputs, STEP)
     assert_same(found, library_run("chain", scene_from_values(generic_scene(), values, "chain"), inputs, STEP))
-    assert "seabed that slopes" in instance.get("effects.active")
+    assert all(word in instance.get("effects.active") for word in words)
     assert not [text for _, text in instance.messages if "pushed into the bottom" in text]
     saved = instance.slave.getFMUstate()
     ahead = [instance.step((40 + k) * STEP, STEP, inputs[k]) for k in range(5)]
