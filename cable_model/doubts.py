@@ -221,6 +221,8 @@ SEEN = (
     "Set solver.lambda_infinity = -0.5.",
     "the cable bends within sqrt(EI/T) = %.3g m of a clamped end, in cells of %.3g m: its moment there is too small. "
     "Give more solver.nodes, or the last metres a cable.section of their own.",
+    "the cable lies %.3g m deep in the seabed in the middle of a cell of %.3g m: it cuts through what is narrower than its cells. "
+    "Give more solver.nodes, or smoother heights.",
 )
 
 

@@ -274,6 +274,9 @@ def read_seafloor(row: Row, folder: Path) -> list[tuple[float, float, float]]:
     Raises ParameterError for a file that is not there or has no table.
     """
     rows = _table(row, folder, row.words[1], row.words[0], "a file", 4)
+    size = (folder / row.words[0]).read_text(encoding="utf-8", errors="replace").split(maxsplit=2)[:2]
+    if [word for word in size if not word.isdigit()] or int(size[0]) * int(size[1]) != len(rows):
+        raise row.refused(f"{row.words[0]!r} has {len(rows)} points: must be {' times '.join(size)}, as its first line says. Mend it.")
     return [(point.number_at(0, "x"), point.number_at(1, "y"), point.number_at(2, "z")) for point in rows]
 
 

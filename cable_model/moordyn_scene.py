@@ -250,7 +250,10 @@ class _Translation:
         if self.seafloor is not None:
             name, grid = self.seafloor.words[0], read_seafloor(self.seafloor, self.deck.path.parent)
             level = max(z for _, _, z in grid)
-            self._change(f"SeafloorFile = {name}", "seabed.grid joins its heights smoothly, by straight lines in MoorDyn")
+            self._change(
+                f"SeafloorFile = {name}",
+                "seabed.grid joins its heights smoothly and goes straight on; MoorDyn by lines, and level",
+            )
             if "wtrdpth" in self.deck.options:
                 self._leave_out(f"WtrDpth = {depth:g}", f"heights come from {name}")
         lowermost, length = cable.get("section", [cable])[0], sum(line.length for line in self.lines)

@@ -11,6 +11,7 @@ from typing import Any
 from cable_model.quantity import quantity
 
 INTEGRATORS = ("generalized-alpha", "backward-difference", "trapezoidal", "generalized-trapezoidal", "cornwell-malkus", "wbz")
+TURN = 6.284  # rad, a full one: angles beyond it are degrees
 
 
 @dataclass(frozen=True)
@@ -80,8 +81,12 @@ class LowerEnd:
     released: bool = quantity("", "whether an anchored lower end is let go at the start", default=False)
     driven: bool = quantity("", "whether a held lower end moves as inputs say", default=False)
     clamped: bool = quantity("", "whether a held lower end is clamped: the cable begins at the clamp's angles", default=False)
-    clamp_declination: float = quantity("rad", "angle from straight up at which the cable leaves the clamp", default=0.0)
-    clamp_direction: float = quantity("rad", "direction towards which it leans there, from x towards y", default=0.0)
+    clamp_declination: float = quantity(
+        "rad", "angle from straight up at which the cable leaves the clamp", default=0.0, least=0.0, most=TURN
+    )
+    clamp_direction: float = quantity(
+        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-TURN, most=TURN
+    )
 
 
 @dataclass(frozen=True)
@@ -131,7 +136,7 @@ class Seabed:
         "m/s", "velocity at which it slides at once; until it slides, friction is that of a spring and a dashpot", default=0.01, above=0.0
     )
     slope: float = quantity("1", "slope of the seabed: its rise over the way along slope_direction", default=0.0)
-    slope_direction: float = quantity("rad", "direction in which it rises, from x towards y", default=0.0)
+    slope_direction: float = quantity("rad", "direction in which it rises, from x towards y", default=0.0, least=-TURN, most=TURN)
     profile: tuple[tuple[float, float], ...] = quantity(
         "m, m", "heights of a seabed that is not level along x, rows of [x, z]; cubics between them, straight on beyond", default=()
     )
@@ -252,8 +257,12 @@ class Top:
         "1", "where in the communication step a co-simulation gives its inputs: 0 at the start, 1 at the end", default=0, least=0, most=1
     )
     clamped: bool = quantity("", "whether the top is clamped: the cable leaves it at the clamp's angles", default=False)
-    clamp_declination: float = quantity("rad", "angle from straight down at which the cable leaves the clamp", default=0.0)
-    clamp_direction: float = quantity("rad", "direction towards which it leans there, from x towards y", default=0.0)
+    clamp_declination: float = quantity(
+        "rad", "angle from straight down at which the cable leaves the clamp", default=0.0, least=0.0, most=TURN
+    )
+    clamp_direction: float = quantity(
+        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-TURN, most=TURN
+    )
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(
         "s, m, m, m", "table of [time, x, y, z], displacements that add to the position; joined by a cubic spline", default=()

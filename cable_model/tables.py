@@ -61,7 +61,10 @@ def relief(scene: Any) -> np.ndarray:
     x, y = (np.array(sorted({row[k] for row in rows})) for k in (0, 1))
     z = np.array([row[2] for row in rows]).reshape(len(x), len(y))
     by_x = _slopes(x, z.T).T
-    by_y, twist = (_slopes(y, z), _slopes(y, by_x)) if len(y) > 1 else (np.zeros_like(z), np.zeros_like(z))
+    by_y = twist = np.zeros_like(z)
+    if len(y) > 1:
+        by_y = _slopes(y, z)
+        twist = 0.5 * (_slopes(y, by_x) + _slopes(x, by_y.T).T)  # of either order: x and y are alike
     places = np.array([row[:2] for row in rows])
     table = np.column_stack((places, *(each.ravel() for each in (z, by_x, by_y, twist))))
     return np.vstack((np.array([[float(len(y)), 0.0, 0.0, 0.0, 0.0, 0.0]]), table))

@@ -240,7 +240,29 @@ def test_finer_heights_come_nearer_to_a_smooth_bottom():
     assert errors[2] < 0.4 * errors[1]
 
 
+def test_x_and_y_of_a_grid_are_alike():
+    rng = np.random.default_rng(3)
+    rows = [[x, y, rng.uniform(-4.0, -2.0)] for x in (0.0, 3.0, 5.0, 9.0) for y in (-4.0, 1.0, 2.0)]
+    one, other = (
+        relief(scene_of(MOORING, seabed__level=0.0, seabed__grid=each, solver__space=True))
+        for each in (rows, [[y, x, z] for x, y, z in rows])
+    )
+    for x, y in rng.uniform((-1.0, -5.0), (10.0, 3.0), (50, 2)):
+        height, by_x, by_y, *_ = shape_at(one, x, y)
+        assert shape_at(other, y, x)[:3] == pytest.approx((height, by_y, by_x), abs=1e-12)
+
+
 # -- what is refused, and told
+
+
+@pytest.mark.parametrize(("nodes", "told"), [(41, True), (401, False)])
+def test_cells_that_cut_through_a_ridge_are_told(nodes, told):
+    x = np.linspace(0.0, 40.0, 161)
+    ridge = np.column_stack((x, -3.0 + 1.5 * np.exp(-0.5 * ((x - 15.0) / 0.5) ** 2))).tolist()
+    model = make(MOORING, seabed__level=0.0, seabed__profile=ridge, solver__nodes=nodes, top__position=[32.3, 0.0, -2.0])
+    assert [text.endswith("Give more solver.nodes, or smoother heights.") for text in simulate(model, duration=0.01).warnings] == [
+        True
+    ] * told
 
 
 @pytest.mark.parametrize(

@@ -344,11 +344,17 @@ def test_a_seafloor_of_its_own_file_becomes_a_grid(tmp_path):
     path.write_text(text.replace(head, f"{head}\nfloor.txt SeafloorFile"), encoding="utf-8")
     with pytest.raises(ParameterError, match=r"SeafloorFile = 'floor.txt': must be a file in"):
         scene_of(read(path))
+    (tmp_path / "floor.txt").write_text(SLOPING.replace("2 3", "3 3"), encoding="utf-8")
+    with pytest.raises(ParameterError, match=r"'floor.txt' has 6 points: must be 3 times 3, as its first line says"):
+        scene_of(read(path))
     (tmp_path / "floor.txt").write_text(SLOPING, encoding="utf-8")
     flat, _ = scene_of(read(DATA / "chain_50m.txt"))
     scene, told = scene_of(read(path))
     rows = [tuple(float(word) for word in line.split()) for line in SLOPING.splitlines()[3:]]
     assert scene.seabed == replace(flat.seabed, level=0.0, grid=tuple(rows))
     assert scene.solver.space
-    assert "changed: SeafloorFile = floor.txt: seabed.grid joins its heights smoothly, by straight lines in MoorDyn" in told
+    assert (
+        "changed: SeafloorFile = floor.txt: seabed.grid joins its heights smoothly and goes straight on; MoorDyn by lines, and level"
+        in told
+    )
     assert "left out: WtrDpth = 50: heights come from floor.txt" in told

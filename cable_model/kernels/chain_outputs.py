@@ -7,7 +7,7 @@ from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clamps import see_below, see_top
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
-from cable_model.kernels.extent import HAS_PARTED, tell_elevation, tell_whole
+from cable_model.kernels.extent import HAS_PARTED, see_cells, tell_elevation, tell_whole
 from cable_model.kernels.family import coefficients
 from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.jit import kernel, views
@@ -122,6 +122,7 @@ def outputs(parts, p, state, work, out):
     grid.tell_extent(parts.box, parts, problem, view, top, out)
     tell_elevation(parts.waves, parts, state, out)
     watch_outputs(parts, p, state, out, seen)
+    see_cells(parts.relief, problem, view.mesh, view.y, top, state)
     see_top(parts.top_clamp, parts, problem, view.mesh, view.y, top, tension.top, state)
     see_below(parts.lower_clamp, parts, problem, view.mesh, view.y, top, tension.lower, state)
     along = dot(vector_at(parts, state, header.TOP + 3), t.top)

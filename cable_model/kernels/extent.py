@@ -4,7 +4,7 @@ The cable touches down, seen from its top, where the seabed carries half of what
 unstretched length above.
 """
 
-from cable_model.kernels.bottom import normal_under
+from cable_model.kernels.bottom import normal_under, over_bottom
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clamps import tell_torque_at_top, tell_torque_below, turned_at_top, turned_below
@@ -14,6 +14,7 @@ from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import body_weight, density_of
 from cable_model.kernels.seabed import FORCE
 from cable_model.kernels.vector import axpy, load, mix, norm, sub
+from cable_model.kernels.watch import watch_cell
 from cable_model.kernels.waves import elevation
 
 MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three
@@ -107,6 +108,25 @@ def _on_bottom(seabed, parts, problem, mesh, y, contact, top, out):
 
 
 tell_bottom = by_presence(_no_bottom, _on_bottom)
+
+
+@kernel
+def _as_ends(relief, problem, mesh, y, top, state):
+    return
+
+
+@kernel
+def _between_ends(relief, problem, mesh, y, top, state):
+    """Of a bottom that is no plane: what cells cut through, which feel it at their ends."""
+    position = top
+    for i in range(mesh.shape[0] - 1, -1, -1):
+        half = 0.5 * mesh[i, 0]
+        middle = axpy(-half, load(y, i, top), position)
+        position = axpy(-half, load(y, i, top), middle)
+        watch_cell(state, over_bottom(relief, problem.ground, middle)[0], mesh[i, 0])
+
+
+see_cells = by_presence(_as_ends, _between_ends)
 
 
 @kernel

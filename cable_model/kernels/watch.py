@@ -37,7 +37,7 @@ from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 JUMP, VELOCITY, ACCELERATION, ABOVE, BELOW, STRAIN, ANY_PLACE, ANY_SHAPE, KICKED, COARSE, CURVED, PRESSED, STEEP, RINGS = range(14)  # kinds
 BLOW, BENT, PASSED, WAVES_COARSE, SWINGS, LOWER_JUMP, LOWER_VELOCITY, LOWER_ACCELERATION, BURIED, TOGETHER, PARTS = range(14, 25)
-ALL_GONE, OVERSHOOTS, CLAMP_COARSE = range(25, 28)
+ALL_GONE, OVERSHOOTS, CLAMP_COARSE, CUTS = range(25, 29)
 # of the top; those of a driven lower end, all but SPAN and WAVES_SEEN, lie TO_LOWER after them: `end` in what follows is 0 or TO_LOWER
 TO_LOWER = LOWER_WATCH - WATCH
 LAST = WATCH  # 9 numbers: the inputs of the last communication step
@@ -56,6 +56,7 @@ WAVES_SEEN = WATCH + 22  # whether the waves have been held against the internal
 GRAVITY = 9.81  # m/s2, the scale of what ships and cranes do to a cable
 SOON = 5.0  # m/s, at which a top may set off that has stood still
 UNEXPLAINED = 0.5  # share of the way: a sine at five steps a period has 0.14, a rate that stays 0 has 1, one of the wrong sign 2
+CUT = 0.1  # of a cell, by which its middle may lie deep in a bottom: from there on tensions were seen to be wrong by 1 to 30 %
 BENDS_IN = 0.65  # of sqrt(EI/T), in which a clamped cable bends: in cells of that length the moment is 5 % too small
 TURNED = 0.01  # by which it has to bend there, rad
 FEWEST = 1e-4  # of the cable's length: ways below it say nothing
@@ -338,6 +339,13 @@ def watch_clamp(state, turned, stiffness, bending, tension, cell):
     """A clamped end under this tension, N, whose first cell of this length, m, turns by `turned`/`stiffness`: N m both; `bending` is EI."""
     if turned > TURNED * stiffness and tension * cell * cell > BENDS_IN * BENDS_IN * bending:
         note(state, CLAMP_COARSE, math.sqrt(bending / tension), cell)
+
+
+@kernel
+def watch_cell(state, height, cell):
+    """A cell of this length, m, whose middle lies at this height over the bottom, m."""
+    if height < -CUT * cell:
+        note(state, CUTS, -height, cell)
 
 
 @kernel
