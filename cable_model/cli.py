@@ -191,7 +191,7 @@ def plot(
     target = output or Path("results") / f"{Path(scene).stem}.png"
     check_kind(target)  # before minutes are spent
     results = {name: run_with_progress(MODELS[name](its)) for name, its in _models_with_scenes(model, loaded).items()}
-    picture({type_name(name): r for name, r in results.items()}, loaded.title, target)
+    picture({type_name(name): r for name, r in results.items()}, loaded, loaded.title, target)
     say(f"wrote {target}")
 
 

@@ -8,18 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_model.effects import BY_NAME, CHAIN
 from cable_model.plots import STEADY, STEADY_WAY
 from cable_model.scene import Scene
-from cable_model.sea import components, table_of
-from cable_model.simulated import is_on
 from cable_model.simulation import Result
-from cable_model.tables import relief
+from cable_model.surroundings import Surface, has, seabed_between, surface_between
 
 MOST_POINTS = 61  # along a cable
-MOST_PLACES = 128  # of the surface at a moment
-BED_PLACES = 61  # along each side of a bottom by heights
-PER_WAVE = 6.0  # places in the length of the mean wave: fewer would show another one
 WIDTH = 0.25  # of the box's longest side: what a side has at least
 FRAME = (0.05, 0.1)  # s that a moment is shown at least and at most: shorter hurries, longer is dull
 GRAVITY = 9.81  # m/s2, for a scale of speeds
@@ -33,24 +27,6 @@ class Moving:
     run: Result
     places: np.ndarray
     tensions: np.ndarray | None
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The water's surface: places x (k,), y (m,), and heights (moments, m, k), or (1, m, k) where it is still, m."""
-
-    x: np.ndarray
-    y: np.ndarray
-    heights: np.ndarray
-
-    @property
-    def moves(self) -> bool:
-        return len(self.heights) > 1
-
-    def at(self, k: int) -> np.ndarray:
-        """Heights (m, k) at a moment."""
-        heights: np.ndarray = self.heights[k if self.moves else 0]
-        return heights
 
 
 @dataclass(frozen=True)
@@ -91,19 +67,15 @@ class Panel:
     least: float
 
 
-def _has(effect: str, scene: Scene) -> bool:
-    return is_on(BY_NAME[effect], scene, CHAIN)
-
-
 def is_held(scene: Scene) -> bool:
     """Whether the lower end is anchored, or moved by inputs."""
-    return _has("anchor", scene)
+    return has("anchor", scene)
 
 
 def word_of_lower_end(scene: Scene) -> str:
     """What is there."""
     if is_held(scene):
-        return "driven end" if _has("driven", scene) else "anchor"
+        return "driven end" if has("driven", scene) else "anchor"
     return "body" if scene.body.mass > 0.0 else "free end"
 
 
@@ -142,17 +114,17 @@ def arrange(results: Mapping[str, Result], scene: Scene, most_moments: int) -> P
     low = np.min([moving.places.min(axis=(0, 1)) for moving in cables.values()], axis=0)
     high = np.max([moving.places.max(axis=(0, 1)) for moving in cables.values()], axis=0)
     reach = NEAR * float(np.max(high - low))
-    seabed = _seabed(scene, low, high)
+    seabed = seabed_between(scene, low, high)
     if seabed is not None and seabed.heights.max() <= low[2] - reach:
         seabed = None
-    near = _has("surface", scene) and low[2] - reach < 0.0 < high[2] + reach
+    near = has("surface", scene) and low[2] - reach < 0.0 < high[2] + reach
     levels = [low[2], high[2], *(seabed.heights.ravel() if seabed is not None else []), *([0.0] if near else [])]
     low[2], high[2] = min(levels), max(levels)
     low, high = _roomy(low, high)
     if seabed is not None:
-        seabed = _seabed(scene, low, high) or seabed
+        seabed = seabed_between(scene, low, high) or seabed
         low[2], high[2] = min(low[2], seabed.heights.min()), max(high[2], seabed.heights.max())
-    surface = _surface(scene, times, low, high) if near else None
+    surface = surface_between(scene, times, low, high) if near else None
     if surface is not None:
         low[2], high[2] = min(low[2], surface.heights.min()), max(high[2], surface.heights.max())
     return Picture(times, cables, low, high, surface, seabed, (len(longest.table) - 1) / max(1, len(moments) - 1))
@@ -172,46 +144,3 @@ def _roomy(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     half = np.maximum(0.5 * (high - low) + 0.03 * longest, 0.5 * WIDTH * longest)
     middle = 0.5 * (low + high)
     return middle - half, middle + half
-
-
-def _seabed(scene: Scene, low: np.ndarray, high: np.ndarray) -> Surface | None:
-    """The bottom between two corners, where there is one."""
-    if not _has("seabed", scene):
-        return None
-    plane = not _has("relief", scene)
-    x, y = (np.linspace(low[k], high[k], 2 if plane or (k == 1 and not scene.seabed.grid) else BED_PLACES) for k in (0, 1))
-    heights = scene.seabed.level + scene.seabed.slope * np.add.outer(
-        y * math.sin(scene.seabed.slope_direction), x * math.cos(scene.seabed.slope_direction)
-    )
-    if not plane:
-        from cable_model.kernels.bottom import shape_at  # imports numba
-
-        table = relief(scene)
-        heights = np.array([[shape_at(table, at_x, at_y)[0] for at_x in x.tolist()] for at_y in y.tolist()])
-    return Surface(x, y, heights[None])
-
-
-def _surface(scene: Scene, times: np.ndarray, low: np.ndarray, high: np.ndarray) -> Surface:
-    """The waves as the kernels have them; the still level where there are none, or too short ones for the places at hand."""
-    still = Surface(np.array([low[0], high[0]]), np.array([low[1], high[1]]), np.zeros((1, 2, 2)))
-    waves = components(scene.waves, scene.environment.gravity, scene.water.depth) if scene.water is not None else None
-    if waves is None:
-        return still
-    steepness = (waves[:, 0] * waves[:, 2]) ** 2
-    length = 2.0 * math.pi * math.sqrt(np.sum(waves[:, 0] ** 2) / np.sum(steepness))
-    across, along = (1 + math.ceil(PER_WAVE * (high[k] - low[k]) / length) for k in (1, 0))
-    x = np.linspace(low[0], high[0], max(along, 9))
-    y = np.linspace(low[1], high[1], max(across, 9) if scene.solver.space else 2)
-    if len(x) * len(y) > MOST_PLACES:
-        return still
-    from cable_model.kernels.waves import Ramp, elevation  # imports numba
-
-    ramp = Ramp(float(times[0]), scene.waves.ramp_time)
-
-    def height(at_x: float, at_y: float, time: float) -> float:
-        place = (at_x, at_y, 0.0) if scene.solver.space else (at_x, 0.0)
-        return float(elevation(table, ramp, place, time)[0])
-
-    table = table_of(waves)
-    heights = np.array([[[height(at_x, at_y, t) for at_x in x.tolist()] for at_y in y.tolist()] for t in times.tolist()])
-    return Surface(x, y, heights)

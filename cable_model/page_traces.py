@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from cable_model.moving import Moving, Panel, Picture, Surface, is_held, keeping_peaks, panels, word_of_lower_end
+from cable_model.moving import Moving, Panel, Picture, is_held, keeping_peaks, panels, word_of_lower_end
 from cable_model.plots import COLOURS, GREY, SEA, SEABED
 from cable_model.scene import Scene
+from cable_model.surroundings import Surface
 
 MOST_VALUES = 1000  # of a time series: two for each dot across its panel
 RARE = 1.5  # peaks so far above all but a hundredth of the tensions are told in words: in colours the rest would all look slack

@@ -9,10 +9,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from cable_model.errors import ParameterError, writing
+from cable_model.scene import Scene
 from cable_model.simulation import Result
+from cable_model.surroundings import has, seabed_between
 
 COLOURS = ("#1f5a99", "#d1602b", "#3b8f5a", "#7a4fa3")  # told apart by colour-blind readers too
 STYLES = ("-", "--", "-.", ":")
@@ -28,7 +31,7 @@ def check_kind(path: Path) -> None:
         raise ParameterError(f"{path}: no name of a picture file. Give one that ends in one of .{', .'.join(sorted(kinds))}.")
 
 
-def picture(results: dict[str, Result], title: str, path: Path) -> None:
+def picture(results: dict[str, Result], scene: Scene, title: str, path: Path) -> None:
     """Draw one or more runs of a scene over each other and save the picture."""
     figure = Figure(figsize=(13, 9))
     FigureCanvasAgg(figure)
@@ -41,6 +44,7 @@ def picture(results: dict[str, Result], title: str, path: Path) -> None:
         axes["path"].plot(run["body.x"], run["body.z"], **line)
     _shapes(axes["shape"], results)
     _label(axes)
+    _around(axes["shape"], scene, results)
     way = STEADY_WAY * max(length_of(run) for run in results.values())
     open_axis(axes["tension"], STEADY * max(np.abs(run["top.tension"]).max() for run in results.values()))
     for key in ("body", "body2"):
@@ -78,6 +82,19 @@ def _shapes(axis: Axes, results: dict[str, Result]) -> None:
             name = label if k == moments[-1] else None
             axis.plot(shape[:, 0], shape[:, 2], color=colour, linestyle=style, alpha=shade, linewidth=1.2, label=name)
             axis.plot(shape[0, 0], shape[0, 2], "o", color=colour, alpha=shade, markersize=3)
+
+
+def _around(axis: Axes, scene: Scene, results: dict[str, Result]) -> None:
+    """Still water and bottom in the plane of the shapes, where they are near, with the same scale both ways."""
+    low, high = (reach([reach(run.shapes, axis=(0, 1)) for run in results.values()], axis=0) for reach in (np.min, np.max))
+    far = float(np.max(high - low))
+    axis.set_aspect("equal", adjustable="datalim")
+    if has("surface", scene) and low[2] - far < 0.0 < high[2] + far:
+        axis.axhline(0.0, color=SEA, linewidth=1.0, zorder=0)
+    low[0], high[0] = low[0] - far, high[0] + far
+    bed = seabed_between(scene, low, high)
+    if bed is not None and bed.heights.max() > low[2] - far:
+        axis.add_artist(Line2D(bed.x, bed.at(0)[len(bed.y) // 2], color=SEABED, linewidth=1.5, zorder=0))  # does not ask for room
 
 
 def _label(axes: dict[str, Axes]) -> None:

@@ -39,5 +39,5 @@ def simulate(fmus: Mapping[str, Path], scene_name: str, folder: Path) -> dict[st
         run = Result(columns, numbers, np.empty((0, 0, 3)))
         results[name] = Result(columns, numbers, _ends(run))
         write_csv(folder / f"{stem}_{name}.csv", columns, numbers)
-    picture(results, f"{scene.title}\nFMUs simulated through fmpy", folder / f"{stem}_fmu.png")
+    picture(results, scene, f"{scene.title}\nFMUs simulated through fmpy", folder / f"{stem}_fmu.png")
     return results
