@@ -109,7 +109,12 @@ def _two_bottoms(scene: Any) -> Iterator[str]:
     seabed, depth = scene.seabed, scene.water.depth if scene.water is not None else 0.0
     if not depth or seabed is None or not seabed.stiffness or not is_on(BY_NAME["waves"], scene, CHAIN):
         return
-    heights = [row[-1] for row in seabed.grid or seabed.profile] or [seabed.level]
+    heights = [row[-1] for row in seabed.grid or seabed.profile]
+    if not heights:
+        held = scene.lower.position if scene.lower_end.driven else (scene.lower_end.x, scene.lower_end.y)
+        ends = [scene.top.position[:2], *([held[:2]] if scene.lower_end.anchored else [])]
+        rise = seabed.slope * math.cos(seabed.slope_direction), seabed.slope * math.sin(seabed.slope_direction)
+        heights = [seabed.level + rise[0] * x + rise[1] * y for x, y in ends]
     low, high, off = min(heights), max(heights), SAME_BOTTOM * depth
     if not low - off <= -depth <= high + off:
         where = f"at z = {low:g} m" if low == high else f"from z = {low:g} to {high:g} m"
@@ -221,7 +226,7 @@ SEEN = (
     "Set solver.lambda_infinity = -0.5.",
     "the cable bends within sqrt(EI/T) = %.3g m of a clamped end, in cells of %.3g m: its moment there is too small. "
     "Give more solver.nodes, or the last metres a cable.section of their own.",
-    "the cable lies %.3g m deep in the seabed in the middle of a cell of %.3g m: it cuts through what is narrower than its cells. "
+    "the cable lies %.3g m deeper in the seabed in the middle of a cell of %.3g m than at its ends: it cuts through what is narrower. "
     "Give more solver.nodes, or smoother heights.",
 )
 

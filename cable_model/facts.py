@@ -83,7 +83,12 @@ _OF_OUTPUTS: dict[str, tuple[str, str, float, tuple[str, ...]]] = {
         100.0,
         _PLACES,
     ),
-    "seabed.force_z": ("N", "what the seabed pushes the cable with, upwards; an anchor on it holds its own half of a cell", 1e3, _PLACES),
+    "seabed.force_z": (
+        "N",
+        "push of the seabed on the cable, upwards, friction apart; an anchor holds its own half of a cell",
+        1e3,
+        _PLACES,
+    ),
     **{
         f"seabed.touchdown_{axis}": ("m", f"where the cable, from its top, touches down, else its lower end, {axis}", 100.0, _PLACES)
         for axis in "xyz"

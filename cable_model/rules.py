@@ -404,6 +404,9 @@ def check(scene: Any) -> None:
         for k, part in enumerate(getattr(scene, end).motion):
             _check_motion(f"{end}.motion[{k}]", part)
     sections.check(scene.cable, scene.solver.nodes, true(WET | Given("seabed.stiffness"), scene, CHAIN))
+    clamped = {"lower_end": scene.lower_end.clamped, "top": scene.top.clamped}
+    if scene.cable.section:
+        sections.check_clamps(scene.cable, {k: f"{end}.clamped" for k, end in ((0, "lower_end"), (-1, "top")) if clamped[end]})
     for error in refused_on_grid(scene):
         raise error
     for name, right, must, remedy in TABLES:

@@ -116,3 +116,11 @@ def check(cable: Cable, nodes: int, meets: bool) -> None:
     for k, section in enumerate(cable.section):
         if meets and section.diameter == 0.0:
             raise refuse(f"cable.section[{k}].diameter", 0.0, "m", "> 0 in water or on a seabed", "Give the diameter.")
+
+
+def check_clamps(cable: Any, clamps: Mapping[int, str]) -> None:
+    """Raises the ParameterError of a clamp, by the place of its section and its name, on a section that does not bend."""
+    for k, name in clamps.items():
+        place = k % len(cable.section)
+        if pieces(cable)[0][k].bending_stiffness == 0.0:
+            raise refuse(name, True, "", f"false where cable.section[{place}] has no bending stiffness", "Give it some.")

@@ -6,6 +6,7 @@ from chain_support import drive, every, make, scene_of, still, swing, view
 from scipy.optimize import fsolve
 
 from cable_model import simulate
+from cable_model.doubts import before_the_run
 from cable_model.errors import ParameterError
 from cable_model.kernels.bottom import shape_at
 from cable_model.signals import OUTPUTS
@@ -262,6 +263,24 @@ def test_cells_that_cut_through_a_ridge_are_told(nodes, told):
     model = make(MOORING, seabed__level=0.0, seabed__profile=ridge, solver__nodes=nodes, top__position=[32.3, 0.0, -2.0])
     assert [text.endswith("Give more solver.nodes, or smoother heights.") for text in simulate(model, duration=0.01).warnings] == [
         True
+    ] * told
+
+
+def test_a_soft_bottom_into_which_a_cable_sinks_is_not_taken_for_a_ridge():
+    level = [[x, -3.0] for x in (-5.0, 10.0, 20.0, 40.0)]
+    model = make(MOORING, seabed__level=0.0, seabed__profile=level, seabed__stiffness=1e3, top__position=[32.3, 0.0, -2.0])
+    assert simulate(model, duration=0.01).warnings == ()
+
+
+@pytest.mark.parametrize(("depth", "told"), [(30.0, True), (20.0, False)])
+def test_the_depth_that_waves_feel_is_held_against_a_slope_where_the_mooring_is(depth, told):
+    """At x = 100 to 132 m on a slope of 0.1 that is 30 m deep at x = 0."""
+    scene = scene_of(
+        MOORING, seabed__level=-30.0, seabed__slope=0.1, lower_end__x=100.0, lower_end__z=-20.0, top__position=[132.0, 0.0, -14.0],
+        water__density=1025.0, water__depth=depth, waves__amplitude=0.1,
+    )  # fmt: skip
+    assert [text for text in before_the_run(scene) if "waves feel another bottom" in text] == [
+        "water.depth = 30 m over a seabed from z = -20 to -16.8 m: waves feel another bottom than the cable. Set water.depth = 18.4."
     ] * told
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from chain_support import drive, every, make, still, swing
+from chain_support import drive, every, make, still, swing, view
 from scipy.integrate import solve_bvp
 
 from cable_model import simulate
@@ -29,6 +29,13 @@ HUNG = {  # 1 t on 10 m of a stiff cable without weight, which leaves its top at
 def at_rest(model, place=(0.0, 0.0, 0.0)) -> dict[str, float]:
     model.initialize(still(place)(0.0))
     return dict(zip(OUTPUTS, model.outputs.tolist(), strict=True))
+
+
+def weights(model) -> np.ndarray:
+    """Of the cable that nodes carry, N."""
+    mesh = view(model).mesh
+    lengths = np.append(mesh[:, 0] * mesh[:, 1], 0.0) + np.insert(mesh[:, 0] * (1.0 - mesh[:, 1]), 0, 0.0)
+    return GRAVITY * 0.05 * lengths
 
 
 def elastica(length: float, weight: float, bending: float, tip: float) -> tuple[float, float, float, float]:
@@ -62,12 +69,41 @@ def test_a_cantilever_sags_as_the_elastica(bending, mass):
         assert found["top.moment_y"] == pytest.approx(moment, rel=6.0 / nodes**2)
         assert found["cable.bending_moment_max"] == pytest.approx(found["top.moment_y"], rel=1e-2)
         # and in balance with the weights, whatever the mesh
-        places, mesh = model.positions(), np.diff(np.linspace(0.0, 2.0, nodes))
-        carried = 0.05 * GRAVITY * np.convolve(mesh, [0.5, 0.5])
+        carried = weights(model)
         carried[0] += mass * GRAVITY
-        assert found["top.moment_y"] == pytest.approx(np.sum(carried * places[:, 0]), rel=1e-6)
+        assert found["top.moment_y"] == pytest.approx(np.sum(carried * model.positions()[:, 0]), rel=1e-6)
     assert errors[-1] < 2e-3
     assert errors[1] < 0.3 * errors[0] and errors[2] < 0.3 * errors[1]
+
+
+@pytest.mark.parametrize("grading", [1.0, 2.0, 4.0])
+def test_a_moment_is_in_balance_with_the_weights_on_any_mesh(grading):
+    model = make(BEAM, cable__bending_stiffness=0.5, solver__grading=grading, top__clamp_declination=2.4)
+    found = at_rest(model)
+    assert np.ptp(view(model).mesh[:, 0]) > 1e-3 or grading == 1.0
+    assert found["top.moment_y"] == pytest.approx(np.sum(weights(model) * model.positions()[:, 0]), rel=1e-6)
+
+
+@pytest.mark.parametrize("nodes", [21, 41])
+def test_a_beam_that_leaves_its_clamp_upwards_is_pressed_by_what_it_carries(nodes):
+    """N of the cell at the clamp, t.F with F the weight of all nodes but the top."""
+    model = make(BEAM, cable__bending_stiffness=0.5, solver__nodes=nodes, top__clamp_declination=2.4)
+    found = at_rest(model)
+    across = np.diff(model.positions(), axis=0)[-1]
+    pressed = np.sum(weights(model)[:-1]) * across[2] / np.linalg.norm(across)
+    assert pressed < -0.2
+    assert found["cable.tension_min"] == pytest.approx(pressed, rel=1e-4)
+
+
+@pytest.mark.parametrize("nodes", [11, 41, 161])
+def test_a_straight_cable_that_is_stretched_does_not_bend(nodes):
+    soft = {**HUNG, "top": {"clamped": True}}
+    result = simulate(make(soft, cable__axial_stiffness=3e5, cable__bending_stiffness=1000.0, solver__nodes=nodes), duration=0.02)
+    assert result.warnings == ()
+    assert result["cable.bending_moment_max"] == pytest.approx(0.0, abs=1e-3)
+    model = make(soft, cable__axial_stiffness=3e5, cable__bending_stiffness=1000.0, solver__nodes=nodes)
+    at_rest(model)
+    assert np.linalg.norm(np.diff(model.positions(), axis=0), axis=1) == pytest.approx([10.327 / (nodes - 1)] * (nodes - 1), rel=1e-4)
 
 
 @pytest.mark.parametrize("reach", [2.0, 1.0, 0.5])
@@ -87,6 +123,15 @@ def test_a_taut_cable_turns_from_its_clamp_within_the_root_of_bending_over_tensi
 def test_cells_that_do_not_resolve_the_bend_are_told(nodes, told):
     result = simulate(make(HUNG, cable__bending_stiffness=1000.0 * GRAVITY, solver__nodes=nodes), duration=0.05)
     assert [text.startswith("the cable bends within sqrt(EI/T) = 1 m of a clamped end") for text in result.warnings] == [True] * told
+
+
+def test_cells_that_do_not_resolve_the_bend_at_an_anchor_are_told():
+    model = make({
+        **HUNG, "body": {}, "top": {}, "cable": {**HUNG["cable"], "bending_stiffness": 300.0},
+        "lower_end": {"anchored": True, "clamped": True, "clamp_declination": 0.05, "z": -10.01},
+    })  # fmt: skip
+    (warning,) = simulate(model, duration=0.05).warnings
+    assert "of a clamped end, in cells of 0.25 m" in warning
 
 
 @pytest.mark.parametrize("space", [False, True])
@@ -131,6 +176,8 @@ def test_the_end_that_is_called_top_makes_no_difference():
     assert other.positions()[::-1] == pytest.approx(one.positions(), abs=2e-5)
     assert turned["top.moment_y"] == pytest.approx(found["lower.moment_y"], rel=1e-3)
     assert turned["lower.moment_y"] == pytest.approx(found["top.moment_y"], rel=1e-3)
+    assert turned["top.tension"] == pytest.approx(found["body.tension"], abs=2e-3)
+    assert turned["body.tension"] == pytest.approx(found["top.tension"], abs=2e-3)
 
 
 @pytest.mark.parametrize(("modes", "both"), [(3.5160, False), (22.373, True)])
@@ -193,11 +240,21 @@ def test_energy_and_momentum_close_between_two_clamps():
         ({"top__clamp_direction": 0.5}, "top.clamp_direction = 0.5 rad: must be 0 or pi in the plane"),
         ({"lower_end__clamped": True}, "lower_end.clamped = True: must be false for an end that nothing holds"),
         ({"solver__grid": "box"}, "top.clamped"),
+        ({"top__clamp_declination": 45.0}, "top.clamp_declination = 45 rad: must be >= 0 and <= 6.284"),
     ],
 )
 def test_what_cannot_be_clamped_is_refused(changes, text):
     with pytest.raises(ParameterError, match=text):
         make(BEAM, **changes)
+
+
+@pytest.mark.parametrize(
+    ("place", "named"), [({"top": {"clamped": True}}, 1), ({"lower_end": {"anchored": True, "clamped": True, "z": -2.0}}, 0)]
+)
+def test_a_section_that_does_not_bend_can_not_be_clamped(place, named):
+    pieces = [{"length": 1.0, "mass_per_length": 0.05, "axial_stiffness": 1e6, "bending_stiffness": 5.0 * (k != named)} for k in range(2)]
+    with pytest.raises(ParameterError, match=rf"clamped = True: must be false where cable.section\[{named}\] has no bending stiffness"):
+        make({"cable": {"section": pieces}, "solver": {"nodes": 11}, **place})
 
 
 # -- springs and dampers as sections

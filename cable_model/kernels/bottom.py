@@ -193,7 +193,7 @@ by_approach = by_presence(_plane_approach, _curved_approach)  # derivative of ga
 
 
 @kernel
-def _no_turn(turns, size, matrix):
+def _stays(turns, size, matrix):
     return matrix
 
 
@@ -202,7 +202,7 @@ def _with_turn(turns, size, matrix):
     return add_matrix(matrix, scale_matrix(size, turns.normal))
 
 
-add_turn = by_presence(_no_turn, _with_turn)  # a matrix, and `size` times the derivative of the normal by the place
+add_turn = by_presence(_stays, _with_turn)  # a matrix, and `size` times the derivative of the normal by the place
 
 
 @kernel

@@ -5,7 +5,7 @@ import math
 from cable_model.kernels import grid, header
 from cable_model.kernels.build import build
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.clamps import see_below, see_top
+from cable_model.kernels.clamps import BELOW, TOP, see_clamp
 from cable_model.kernels.exchange import LOWER_FORCES, LOWER_MEANS, tell_exchange
 from cable_model.kernels.extent import HAS_PARTED, see_cells, tell_elevation, tell_whole
 from cable_model.kernels.family import coefficients
@@ -123,8 +123,8 @@ def outputs(parts, p, state, work, out):
     tell_elevation(parts.waves, parts, state, out)
     watch_outputs(parts, p, state, out, seen)
     see_cells(parts.relief, problem, view.mesh, view.y, top, state)
-    see_top(parts.top_clamp, parts, problem, view.mesh, view.y, top, tension.top, state)
-    see_below(parts.lower_clamp, parts, problem, view.mesh, view.y, top, tension.lower, state)
+    see_clamp(parts.top_clamp, TOP, parts, problem, view.mesh, view.y, top, tension.top, state)
+    see_clamp(parts.lower_clamp, BELOW, parts, problem, view.mesh, view.y, top, tension.lower, state)
     along = dot(vector_at(parts, state, header.TOP + 3), t.top)
     if parts.driven is not None:
         along -= dot(vector_at(parts, state, header.LOWER + 3), t.lower)

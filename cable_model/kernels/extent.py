@@ -4,11 +4,11 @@ The cable touches down, seen from its top, where the seabed carries half of what
 unstretched length above.
 """
 
+from cable_model.kernels import header
 from cable_model.kernels.bottom import normal_under, over_bottom
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.clamps import tell_torque_at_top, tell_torque_below, turned_at_top, turned_below
-from cable_model.kernels.header import TIME, TOP
+from cable_model.kernels.clamps import BELOW, TOP, tell_torque
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import body_weight, density_of
@@ -40,12 +40,12 @@ def tell_whole(length, paid_out, out):
 
 @kernel
 def _over_plane(space, waves, ramp, state):
-    return elevation(waves, ramp, (state[TOP], state[TOP + 2]), state[TIME])[0]
+    return elevation(waves, ramp, (state[header.TOP], state[header.TOP + 2]), state[header.TIME])[0]
 
 
 @kernel
 def _over_space(space, waves, ramp, state):
-    return elevation(waves, ramp, (state[TOP], state[TOP + 1], state[TOP + 2]), state[TIME])[0]
+    return elevation(waves, ramp, (state[header.TOP], state[header.TOP + 1], state[header.TOP + 2]), state[header.TIME])[0]
 
 
 _over_top = by_presence(_over_plane, _over_space)
@@ -119,11 +119,14 @@ def _as_ends(relief, problem, mesh, y, top, state):
 def _between_ends(relief, problem, mesh, y, top, state):
     """Of a bottom that is no plane: what cells cut through, which feel it at their ends."""
     position = top
+    above = over_bottom(relief, problem.ground, top)[0]
     for i in range(mesh.shape[0] - 1, -1, -1):
         half = 0.5 * mesh[i, 0]
         middle = axpy(-half, load(y, i, top), position)
         position = axpy(-half, load(y, i, top), middle)
-        watch_cell(state, over_bottom(relief, problem.ground, middle)[0], mesh[i, 0])
+        below = over_bottom(relief, problem.ground, position)[0]
+        watch_cell(state, over_bottom(relief, problem.ground, middle)[0], 0.5 * (above + below), mesh[i, 0])
+        above = below
 
 
 see_cells = by_presence(_as_ends, _between_ends)
@@ -140,14 +143,9 @@ def _stiff(bending, parts, problem, mesh, y, top, out):
     for j in range(1, mesh.shape[0]):
         turn = norm(sub(load(y, j, top), load(y, j - 1, top)))
         largest = max(largest, turn_stiffness(parts.sections, parts, problem, mesh, j) * turn)
-    for turned in (
-        turned_below(parts.lower_clamp, parts, problem, mesh, y, top),
-        turned_at_top(parts.top_clamp, parts, problem, mesh, y, top),
-    ):
-        largest = max(largest, norm(turned))
-    out[MOMENT] = largest
-    tell_torque_at_top(parts.top_clamp, parts, problem, mesh, y, top, out, TORQUES)
-    tell_torque_below(parts.lower_clamp, parts, problem, mesh, y, top, out, TORQUES + 3)
+    at_top = tell_torque(parts.top_clamp, TOP, parts, problem, mesh, y, top, out, TORQUES)
+    below = tell_torque(parts.lower_clamp, BELOW, parts, problem, mesh, y, top, out, TORQUES + 3)
+    out[MOMENT] = max(largest, at_top, below)
 
 
 tell_moment = by_presence(_limp, _stiff)

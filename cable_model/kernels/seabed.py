@@ -27,8 +27,8 @@ FORCE = 0  # columns of the contact table: N
 CHANGE = 1  # its Newton change at fixed velocities
 HEIGHT = 2  # height, and velocity along the normal, of the node at the old time
 SPEED = 3
-SLOPE = BOTTOM_COLUMNS  # the derivative of N by the velocity of the node, three
-COLUMNS = SLOPE + 3  # the others are friction.py's and bottom.py's
+BY_VELOCITY = BOTTOM_COLUMNS  # the derivative of N by the velocity of the node, three
+COLUMNS = BY_VELOCITY + 3  # the others are friction.py's and bottom.py's
 LIGHTEST = 1e-3  # of the weight of a metre on average
 RESTING = 0.05  # of the weight that a node carries
 
@@ -217,7 +217,7 @@ def _load(present, friction, whole, gains, mesh, i, position, v, contact):
     by_motion = scale(-gains.law * slope * stiffness * now, by_approach(turns, gains, lag, up, height, v_new))
     contact[i, FORCE] = force
     contact[i, CHANGE] = change
-    store_from(contact, i, SLOPE, by_motion)
+    store_from(contact, i, BY_VELOCITY, by_motion)
     share, held, by_velocity = sliders.friction_of(friction, ground, gains, length, up, turns, position, v, force, contact, i)
     along = sub(share, up)  # of the seabed's force, per N and negative
     residual = axpy(force + change, along, held)
@@ -236,7 +236,7 @@ def update_contacts(present, friction, ground, gains, mesh, x, like, contact):
     cut = False
     for i in range(mesh.shape[0]):
         up = normal_under(ground.relief, ground, contact, i, like)
-        change = contact[i, CHANGE] + dot(load_from(contact, i, SLOPE, like), load(x, i, like))
+        change = contact[i, CHANGE] + dot(load_from(contact, i, BY_VELOCITY, like), load(x, i, like))
         own = under(ground.sections, ground, mesh, i)
         length = carried(own, mesh, i)
         before = contact[i, FORCE]

@@ -15,7 +15,7 @@ fourth-order dispersion on smooth meshes.
 from cable_model.kernels.block_elimination import clear_outer, identity_row
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.clamps import add_clamps, turned_at_top, turned_below
+from cable_model.kernels.clamps import BELOW, TOP, add_clamps, turned
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import ABOVE, joint, row_of
 from cable_model.kernels.problem import body_of, thickened
@@ -269,9 +269,9 @@ def bent(bending, parts, problem, mesh, q, i, like):
             other = load(q, 2 * j - 1 - i, like)
             gradient = axpy(turn_stiffness(parts.sections, parts, problem, mesh, j), sub(middle, other), gradient)
     if i == 0:
-        gradient = add(gradient, turned_below(parts.lower_clamp, parts, problem, mesh, q, like))
+        gradient = add(gradient, turned(parts.lower_clamp, BELOW, parts, problem, mesh, q, like))
     if i == mesh.shape[0] - 1:
-        gradient = add(gradient, turned_at_top(parts.top_clamp, parts, problem, mesh, q, like))
+        gradient = add(gradient, turned(parts.top_clamp, TOP, parts, problem, mesh, q, like))
     return dot(gradient, middle) / (norm(middle) * mesh[i, 0])
 
 

@@ -9,7 +9,7 @@ import math
 
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.clamps import energy_at_top, energy_below, turned_below
+from cable_model.kernels.clamps import BELOW, TOP, clamp_energy, turned
 from cable_model.kernels.fluid import water_motion
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import ABOVE, joint, mass_on, row_of
@@ -59,7 +59,8 @@ def stored(parts, problem, mesh, y, top):
     mass = mass_of_body(parts.body, p)
     kinetic += 0.5 * mass * dot(v_up, v_up)
     potential += mass * gravity * at[len(at) - 1]
-    strained += energy_at_top(parts.top_clamp, parts, problem, mesh, y, top) + energy_below(parts.lower_clamp, parts, problem, mesh, y, top)
+    strained += clamp_energy(parts.top_clamp, TOP, parts, problem, mesh, y, top)
+    strained += clamp_energy(parts.lower_clamp, BELOW, parts, problem, mesh, y, top)
     return kinetic, potential, strained + _bending_energy(parts.bending, parts, p, mesh, y, top)
 
 
@@ -182,8 +183,8 @@ def pull_of_anchor(anchor, parts, problem, mesh, y0, y1, tension, like):
         above = mix(0.5, load(y0, 1, like), 0.5, load(y1, 1, like))
         stiff = _turn_stiffness(parts, problem.numbers, mesh, 1) / mesh[0, 0]
         pull = axpy(stiff, sub(above, q), pull)
-    before = turned_below(parts.lower_clamp, parts, problem, mesh, y0, like)
-    after = turned_below(parts.lower_clamp, parts, problem, mesh, y1, like)
+    before = turned(parts.lower_clamp, BELOW, parts, problem, mesh, y0, like)
+    after = turned(parts.lower_clamp, BELOW, parts, problem, mesh, y1, like)
     pull = axpy(-0.5 / mesh[0, 0], add(before, after), pull)
     return pull
 

@@ -3,7 +3,7 @@
 from cable_model.kernels import header
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.clamps import tangent_at_top, tangent_below
+from cable_model.kernels.clamps import BELOW, TOP, held_tangent
 from cable_model.kernels.family import Coefficients
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import joint, mass_on
@@ -91,8 +91,8 @@ def end_tangents(parts, p, mesh, y, like):
     """Directions of the cable at its ends, towards the top: on the lines through those of the two cells at each, or the clamp's."""
     m = mesh.shape[0]
     return Ends(
-        tangent_at_top(parts.top_clamp, parts, p, _led_on(mesh, y, m - 1, m - 2, like)),
-        tangent_below(parts.lower_clamp, parts, p, _led_on(mesh, y, 0, 1, like)),
+        held_tangent(parts.top_clamp, TOP, parts, p, _led_on(mesh, y, m - 1, m - 2, like)),
+        held_tangent(parts.lower_clamp, BELOW, parts, p, _led_on(mesh, y, 0, 1, like)),
     )
 
 
@@ -246,8 +246,22 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, t, positio
 
 
 @kernel
-def _held_tension(driven, parts, problem, mesh, y, acceleration, force, t, position, winding, time, s):
+def _hinged_tension(clamp, parts, problem, mesh, y, acceleration, t, position, winding, time, s):
     return lower_end_tension(parts.body, parts, problem, mesh, y, acceleration, t, position, winding, time, s)
+
+
+@kernel
+def _clamped_tension(clamp, parts, problem, mesh, y, acceleration, t, position, winding, time, s):
+    force = _force_below(True, parts, problem, mesh, y, y[mesh.shape[0] + 1 :], acceleration, position, winding, time, s)
+    return dot(force, t)
+
+
+_anchored_tension = by_presence(_hinged_tension, _clamped_tension)
+
+
+@kernel
+def _held_tension(driven, parts, problem, mesh, y, acceleration, force, t, position, winding, time, s):
+    return _anchored_tension(parts.lower_clamp, parts, problem, mesh, y, acceleration, t, position, winding, time, s)
 
 
 @kernel

@@ -56,7 +56,7 @@ WAVES_SEEN = WATCH + 22  # whether the waves have been held against the internal
 GRAVITY = 9.81  # m/s2, the scale of what ships and cranes do to a cable
 SOON = 5.0  # m/s, at which a top may set off that has stood still
 UNEXPLAINED = 0.5  # share of the way: a sine at five steps a period has 0.14, a rate that stays 0 has 1, one of the wrong sign 2
-CUT = 0.1  # of a cell, by which its middle may lie deep in a bottom: from there on tensions were seen to be wrong by 1 to 30 %
+CUT = 0.1  # of a cell, by which its middle may lie deeper in a bottom than its ends
 BENDS_IN = 0.65  # of sqrt(EI/T), in which a clamped cable bends: in cells of that length the moment is 5 % too small
 TURNED = 0.01  # by which it has to bend there, rad
 FEWEST = 1e-4  # of the cable's length: ways below it say nothing
@@ -335,17 +335,17 @@ def _watch_ends(parts, p, state, lower):
 
 
 @kernel
-def watch_clamp(state, turned, stiffness, bending, tension, cell):
-    """A clamped end under this tension, N, whose first cell of this length, m, turns by `turned`/`stiffness`: N m both; `bending` is EI."""
-    if turned > TURNED * stiffness and tension * cell * cell > BENDS_IN * BENDS_IN * bending:
+def watch_clamp(state, angle, bending, tension, cell):
+    """A clamped end under this tension, N, whose first cell of this length, m, turns by this angle; `bending` is EI."""
+    if angle > TURNED and tension * cell * cell > BENDS_IN * BENDS_IN * bending:
         note(state, CLAMP_COARSE, math.sqrt(bending / tension), cell)
 
 
 @kernel
-def watch_cell(state, height, cell):
-    """A cell of this length, m, whose middle lies at this height over the bottom, m."""
-    if height < -CUT * cell:
-        note(state, CUTS, -height, cell)
+def watch_cell(state, height, height_of_ends, cell):
+    """A cell of this length, m, whose middle and, on average, ends lie at these heights over the bottom, m."""
+    if height < 0.0 and height < height_of_ends - CUT * cell:
+        note(state, CUTS, height_of_ends - height, cell)
 
 
 @kernel
