@@ -39,6 +39,18 @@ def test_collapse_runs_to_its_end_with_no_more_compression_than_bending_holds_an
     assert misfit < 1e-6 * 1.75
 
 
+@pytest.mark.parametrize(("nodes", "lam"), [(200, -0.5), (200, -0.7), (100, -0.7)])
+def test_a_collapse_of_a_stiff_chain_in_short_steps_goes_on(nodes, lam):
+    """EA/W = 1e9 in steps of 1 ms: T of a cell deep in slack and -T_c are alike in all digits, and the barrier divided by what is left."""
+    model = make(
+        HANGING, cable__axial_stiffness=1e9 * WEIGHT, cable__bending_stiffness=SHORT_BENDING, solver__nodes=nodes, solver__time_step=1e-3,
+        solver__lambda_infinity=lam,
+    )  # fmt: skip
+    run = drive(model, every(0.01, 6.5), swing((0.0875, 0.0, 0.0), 6.535, cubic))
+    assert run["time"][-1] == 6.5
+    assert run["solver.steps"][-1] < 7000
+
+
 FAULT = "the median rejects 12 of some 1030 steps: cuts in the whip of the fine mesh at the coarse step"
 
 

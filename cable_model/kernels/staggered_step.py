@@ -23,6 +23,7 @@ MAX_TURNS = 60  # iterations where the change of one is limited
 DIVERGED = -1
 NOT_CONVERGED = -2
 FELT_TIME = 0.1  # of sqrt(L/g): vibrations much faster than this do not count as errors
+ROUNDED = 1e-15  # of T_c
 SLACK_MARGIN = 100.0  # widths of the slack law: below this a cell is deep in slack
 
 
@@ -111,7 +112,8 @@ def newton_step(parts, problem, mesh, y0, yd0, ydd, c, time, h, top, ends, windi
     store(y1, 2 * n - 1, ends.top)
     hold_anchor(parts.anchor, y1, n, ends.lower)
     for i in range(n - 1):
-        s.cells[i, 0] = _ahead(parts.slack, force[i] + _floor(parts, problem, mesh, i), reach * (force[i] - force_old[i]))
+        held = _floor(parts, problem, mesh, i)
+        s.cells[i, 0] = _ahead(parts.slack, force[i] + held, reach * (force[i] - force_old[i]), ROUNDED * held)
         s.length[i] = norm(load(y0, i, like))
     _fade(parts, problem, mesh, s)
     _forget_slack(parts.slack, parts, problem, mesh, c.alpha_k, s)
@@ -162,11 +164,11 @@ def _shorten(turn, by_velocity, mesh, s, like):
 
 
 @kernel
-def _ahead(slack, tension, rise):
-    """Extrapolated tension; the slack law's stays positive."""
+def _ahead(slack, tension, rise, least):
+    """Extrapolated tension; the slack law's stays positive, and at least `least`, as rounding may have left nothing of T + T_c."""
     if slack is None:
         return tension + rise
-    return max(tension + rise, 0.5 * tension)
+    return max(tension + rise, 0.5 * tension, least)
 
 
 @kernel

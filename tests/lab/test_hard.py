@@ -67,7 +67,11 @@ def test_the_ledger_of_a_wire_in_water_closes():
         (lambda r: {"top_error": 1e-9}, lambda r: rules.keeps_geometry(r, 2.0)[0]),
         (lambda r: {"arc_error": 1e-5}, lambda r: rules.keeps_geometry(r, 2.0)[1]),
         (lambda r: {"drift": r.drift + 2e-3 * 1.75}, lambda r: rules.keeps_geometry(r, 2.0)[2]),
-        (lambda r: {"outputs": r.outputs - 0.1 * r.weight}, lambda r: rules.keeps_geometry(r, 2.0)[-1]),
+        (lambda r: {"pressed": 0.1 * r.weight}, lambda r: rules.keeps_geometry(r, 2.0)[-1]),
+        (
+            lambda r: {"outputs": r.outputs - 0.1 * r.weight, "scene": with_values(r.scene, {"cable.bending_stiffness": 0.0})},
+            lambda r: rules.keeps_geometry(r, 2.0)[-1],
+        ),
     ],
 )
 def test_each_rule_fails_on_a_doctored_run(smooth, doctored, judged):

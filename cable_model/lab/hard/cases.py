@@ -32,7 +32,6 @@ class Case:
     statistics: float = 0.0  # s of motion over which rms and mean are compared with the reference's; 0: they are not
     reference: Changes = field(default_factory=dict)  # the finer grid and step of these statistics
     check: str = ""  # a further finding: its name in checks.py
-    beam: bool = False  # its bending may be pressed
 
 
 def grid_of(nodes: int, step: float, lam: float, stiffness: float) -> Variant:
@@ -238,9 +237,9 @@ CASES = (
     Case("H14", "hard/three_hours", (Variant("lambda -0.5", refined=False),), check="drift"),
     Case("H16", "hard/bob", (*BOBS, BOX[0]), check="crossing"),
     Case("H16 lowered", "hard/lowered", LOWERED, check="crossing"),
-    Case("H16 hose", "hard/hose", HOSES, check="crossing", beam=True),
-    Case("H17", "hard/loops", LOOPS, check="loops", beam=True),
-    Case("H17 let go", "hard/loops", LET_GO, check="loops", beam=True),
+    Case("H16 hose", "hard/hose", HOSES, check="crossing"),
+    Case("H17", "hard/loops", LOOPS, check="loops"),
+    Case("H17 let go", "hard/loops", LET_GO, check="loops"),
     Case("H19 tow", "hard/two_ships", SNAPS[:3], check="peaks"),
     Case("H20", "hard/dragged", (Variant("an hour", refined=False), Variant("a minute", {"run.duration": 60.0})), check="held"),
     Case("H20 storm", "hard/storm_mooring", (Variant("lambda -0.5", refined=False),), check="touchdown"),

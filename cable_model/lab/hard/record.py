@@ -11,6 +11,7 @@ from cable_model.cable_chain import CableChain
 from cable_model.driving import follow, output_steps
 from cable_model.errors import SolverError
 from cable_model.kernels import header, layout
+from cable_model.kernels.slack import HELD
 from cable_model.motion import PrescribedMotion, motion_of
 from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
@@ -36,6 +37,7 @@ class Record:
     shapes: list[np.ndarray] = field(default_factory=list)
     lengths: np.ndarray = field(default_factory=lambda: np.zeros(0))  # of the drawn cable, m; empty where no ledger was kept
     turn: float = 0.0  # largest angle between neighbouring cells, rad
+    pressed: float = 0.0  # largest push of a cell beyond what its bending holds, 2 EI/h^2, N; of chains that bend and are watched
     middle: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))  # path (rows, 3) of the middle one of an odd number of nodes, m
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -74,6 +76,7 @@ class _Watch:
         self.arc_error = 0.0
         self.lengths: list[float] = []
         self.turn = 0.0
+        self.pressed = 0.0
 
     def read(self, time: float) -> None:
         model = self.model
@@ -94,6 +97,8 @@ class _Watch:
         along = np.sum(cells[1:] * cells[:-1], axis=1) / (drawn[1:] * drawn[:-1])
         self.turn = max(self.turn, float(np.arccos(np.clip(along.min(), -1.0, 1.0))))
         self.arc_error = max(self.arc_error, abs(float(drawn.sum() - now.mesh[:, 0] @ np.linalg.norm(now.y[: n - 1], axis=1))))
+        held = HELD * model.scene.cable.bending_stiffness / now.mesh[:, 0] ** 2
+        self.pressed = max(self.pressed, float(np.max(-now.force - held)))
         brought = now.y[n - 1]
         own = prescribed if len(brought) == 3 else prescribed[[0, 2]]
         self.drift.append(float(np.linalg.norm(brought - own)))
@@ -149,5 +154,5 @@ def record(scene: Scene, step: float | None = None, duration: float | None = Non
     return Record(
         scene, _weight(scene), np.array(times[: len(rows)]), table, excess, np.array(watcher.drift),
         watcher.top_error, watcher.arc_error, np.array(substeps[: len(rows)]), error, seconds, shapes,
-        np.array(watcher.lengths), watcher.turn, np.array(middle),
+        np.array(watcher.lengths), watcher.turn, watcher.pressed, np.array(middle),
     )  # fmt: skip

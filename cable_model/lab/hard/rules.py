@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cable_model.kernels.slack import HELD
 from cable_model.lab.hard.record import Record
 
 SMALL_STEP = 1e-4  # of the base step: smaller ones are allowed for SLOW_SHARE of the run
@@ -52,10 +51,10 @@ def keeps_energy(run: Record) -> Finding:
     return _below("b", run.excess.max() / scale, ENERGY, "energy excess over W L")
 
 
-def keeps_geometry(run: Record, chaos: float, beam: bool = False) -> list[Finding]:
+def keeps_geometry(run: Record, chaos: float) -> list[Finding]:
     """(c) The top is where it should be, the length is true, both ways to the lower end agree, nothing is pushed.
 
-    A `beam` may be pressed by what the bending of a cell holds, 2 EI/h^2.
+    A cable that bends may be pressed in each cell by what bending holds there, 2 EI/h^2: a beam shorter than its buckling length.
     """
     length = run.scene.cable.length
     before = run.times <= chaos
@@ -66,8 +65,7 @@ def keeps_geometry(run: Record, chaos: float, beam: bool = False) -> list[Findin
     ]
     if not before.all():
         found.append(_below("c", run.drift.max() / length, DRIFT_IN_CHAOS, "drift of the lower end over L"))
-    held = HELD * run.scene.cable.bending_stiffness * ((run.scene.solver.nodes - 1) / length) ** 2 if beam else 0.0
-    push = max(0.0, -float(run["cable.tension_min"].min()) - held)
+    push = run.pressed if run.scene.cable.bending_stiffness > 0.0 else max(0.0, -float(run["cable.tension_min"].min()))
     scale = max(run.weight, 1e-3 * float(run["top.tension"].max()))
     return [*found, _below("c", push / scale, COMPRESSION, "compression over W")]
 

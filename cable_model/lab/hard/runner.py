@@ -48,7 +48,7 @@ def judge(case: Case, variant: Variant) -> Verdict:
     run = record(scene)
     found = [rules.finishes(run, duration)]
     if len(run.excess):
-        found += [rules.keeps_energy(run), *rules.keeps_geometry(run, case.chaos, case.beam)]
+        found += [rules.keeps_energy(run), *rules.keeps_geometry(run, case.chaos)]
     if variant.judged and variant.refined and not run.error:
         found += _against_finer(case, scene, run, min(case.chaos, duration))
         found.append(_against_coarser_communication(case, scene, run, step, min(case.chaos, duration)))
