@@ -224,7 +224,7 @@ SEEN = (
     "Check cable.breaking_tension and [parting] where it should not.",
     "solver.lambda_infinity = %.3g, above %.3g, where an end is suddenly free: the end goes too fast, up to several times. "
     "Set solver.lambda_infinity = -0.5.",
-    "the cable bends within sqrt(EI/T) = %.3g m of a clamped end, in cells of %.3g m: its moment there is too small. "
+    "the cable turns by %.3g rad in half a cell of %.3g m at a clamped end: cells there are too long, and its moment too small. "
     "Give more solver.nodes, or the last metres a cable.section of their own.",
     "the cable lies %.3g m deeper in the seabed in the middle of a cell of %.3g m than at its ends: it cuts through what is narrower. "
     "Give more solver.nodes, or smoother heights.",

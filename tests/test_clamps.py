@@ -122,7 +122,14 @@ def test_a_taut_cable_turns_from_its_clamp_within_the_root_of_bending_over_tensi
 @pytest.mark.parametrize(("nodes", "told"), [(41, False), (15, True)])
 def test_cells_that_do_not_resolve_the_bend_are_told(nodes, told):
     result = simulate(make(HUNG, cable__bending_stiffness=1000.0 * GRAVITY, solver__nodes=nodes), duration=0.05)
-    assert [text.startswith("the cable bends within sqrt(EI/T) = 1 m of a clamped end") for text in result.warnings] == [True] * told
+    assert [text.endswith("or the last metres a cable.section of their own.") for text in result.warnings] == [True] * told
+
+
+@pytest.mark.parametrize("declination", [1.6, 2.5, 3.0])
+def test_a_clamp_that_leans_against_its_load_is_told_where_cells_are_too_long(declination):
+    """The tension along it is then small, or negative."""
+    model = make(HUNG, cable__bending_stiffness=500.0, top__clamp_declination=declination, solver__nodes=21)
+    assert len([text for text in simulate(model, duration=0.01).warnings if "at a clamped end: cells there are too long" in text]) == 1
 
 
 def test_cells_that_do_not_resolve_the_bend_at_an_anchor_are_told():
@@ -131,7 +138,7 @@ def test_cells_that_do_not_resolve_the_bend_at_an_anchor_are_told():
         "lower_end": {"anchored": True, "clamped": True, "clamp_declination": 0.05, "z": -10.01},
     })  # fmt: skip
     (warning,) = simulate(model, duration=0.05).warnings
-    assert "of a clamped end, in cells of 0.25 m" in warning
+    assert "rad in half a cell of 0.25 m at a clamped end" in warning
 
 
 @pytest.mark.parametrize("space", [False, True])

@@ -160,6 +160,17 @@ see_clamp = by_presence(_nothing_seen, _seen)  # warnings of what cells do not r
 
 
 @kernel
+def _tell_cross(k, d, q, out, at):
+    """k d x q."""
+    if len(d) == 2:
+        out[at + 1] = k * (d[1] * q[0] - d[0] * q[1])
+    else:
+        out[at] = k * (d[1] * q[2] - d[2] * q[1])
+        out[at + 1] = k * (d[2] * q[0] - d[0] * q[2])
+        out[at + 2] = k * (d[0] * q[1] - d[1] * q[0])
+
+
+@kernel
 def _no_torque(present, upper, parts, problem, mesh, q, like, out, at):
     return 0.0
 
@@ -167,11 +178,7 @@ def _no_torque(present, upper, parts, problem, mesh, q, like, out, at):
 @kernel
 def _torque(present, upper, parts, problem, mesh, q, like, out, at):
     clamp = clamp_of(upper, parts, problem, mesh)
-    d, k, b = clamp.direction, clamp.stiffness, load(q, clamp.cell, like)
-    out[at + 1] = k * (d[len(d) - 1] * b[0] - d[0] * b[len(b) - 1])
-    if len(d) == 3:
-        out[at] = k * (d[1] * b[2] - d[2] * b[1])
-        out[at + 2] = k * (d[0] * b[1] - d[1] * b[0])
+    _tell_cross(clamp.stiffness, clamp.direction, load(q, clamp.cell, like), out, at)
     return (out[at] ** 2 + out[at + 1] ** 2 + out[at + 2] ** 2) ** 0.5
 
 

@@ -59,6 +59,7 @@ UNEXPLAINED = 0.5  # share of the way: a sine at five steps a period has 0.14, a
 CUT = 0.1  # of a cell, by which its middle may lie deeper in a bottom than its ends
 BENDS_IN = 0.65  # of sqrt(EI/T), in which a clamped cable bends: in cells of that length the moment is 5 % too small
 TURNED = 0.01  # by which it has to bend there, rad
+SHARP = 0.3  # and by which it bends too much for half a cell, whatever the tension, rad
 FEWEST = 1e-4  # of the cable's length: ways below it say nothing
 SLOWEST = 1e-2  # of sqrt(g length): changes of velocity below it say nothing
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
@@ -337,8 +338,8 @@ def _watch_ends(parts, p, state, lower):
 @kernel
 def watch_clamp(state, angle, bending, tension, cell):
     """A clamped end under this tension, N, whose first cell of this length, m, turns by this angle; `bending` is EI."""
-    if angle > TURNED and tension * cell * cell > BENDS_IN * BENDS_IN * bending:
-        note(state, CLAMP_COARSE, math.sqrt(bending / tension), cell)
+    if angle > SHARP or (angle > TURNED and tension * cell * cell > BENDS_IN * BENDS_IN * bending):
+        note(state, CLAMP_COARSE, angle, cell)
 
 
 @kernel
