@@ -14,10 +14,11 @@ from typer.testing import CliRunner
 
 from cable_model import cli, load, movie
 from cable_model.errors import ParameterError
-from cable_model.moving import MOST_PLACES, arrange, evenly, keeping_peaks
+from cable_model.moving import arrange, evenly, keeping_peaks
 from cable_model.page import MOST_FRAMES, figure, write_page
 from cable_model.scene import from_dict, with_values
 from cable_model.simulation import COLUMNS, Result
+from cable_model.surroundings import MOST_PLACES
 
 pytestmark = pytest.mark.shipped
 SCENE = """
