@@ -11,7 +11,7 @@ from typing import Any
 from cable_model.quantity import quantity
 
 INTEGRATORS = ("generalized-alpha", "backward-difference", "trapezoidal", "generalized-trapezoidal", "cornwell-malkus", "wbz")
-TURN = 6.284  # rad, a full one: angles beyond it are degrees
+FULL_TURN = 6.284  # rad, a full one: angles beyond it are degrees
 
 
 @dataclass(frozen=True)
@@ -82,10 +82,10 @@ class LowerEnd:
     driven: bool = quantity("", "whether a held lower end moves as inputs say", default=False)
     clamped: bool = quantity("", "whether a held lower end is clamped: the cable begins at the clamp's angles", default=False)
     clamp_declination: float = quantity(
-        "rad", "angle from straight up at which the cable leaves the clamp", default=0.0, least=0.0, most=TURN
+        "rad", "angle from straight up at which the cable leaves the clamp", default=0.0, least=0.0, most=FULL_TURN
     )
     clamp_direction: float = quantity(
-        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-TURN, most=TURN
+        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-FULL_TURN, most=FULL_TURN
     )
 
 
@@ -136,7 +136,7 @@ class Seabed:
         "m/s", "velocity at which it slides at once; until it slides, friction is that of a spring and a dashpot", default=0.01, above=0.0
     )
     slope: float = quantity("1", "slope of the seabed: its rise over the way along slope_direction", default=0.0)
-    slope_direction: float = quantity("rad", "direction in which it rises, from x towards y", default=0.0, least=-TURN, most=TURN)
+    slope_direction: float = quantity("rad", "direction in which it rises, from x towards y", default=0.0, least=-FULL_TURN, most=FULL_TURN)
     profile: tuple[tuple[float, float], ...] = quantity(
         "m, m", "heights of a seabed that is not level along x, rows of [x, z]; cubics between them, straight on beyond", default=()
     )
@@ -153,7 +153,7 @@ class Current:
     """A current: one speed at all depths, a table of levels, or one that changes over time."""
 
     speed: float = quantity("m/s", "speed of the current", default=0.0)
-    direction: float = quantity("rad", "direction the current flows to, from x towards y", default=0.0)
+    direction: float = quantity("rad", "direction the current flows to, from x towards y", default=0.0, least=-FULL_TURN, most=FULL_TURN)
     levels: tuple[tuple[float, float, float], ...] = quantity(
         "m, m/s, rad", "table of [z, speed, direction]; between levels linear, beyond them held", default=()
     )
@@ -170,7 +170,7 @@ class Waves:
 
     amplitude: float = quantity("m", "amplitude of the wave (0 = none)", default=0.0, least=0.0)
     period: float = quantity("s", "period of the wave", default=10.0, above=0.0)
-    direction: float = quantity("rad", "direction the wave runs to, from x towards y", default=0.0)
+    direction: float = quantity("rad", "direction the wave runs to, from x towards y", default=0.0, least=-FULL_TURN, most=FULL_TURN)
     phase: float = quantity("rad", "phase of the wave: elevation a cos(k s - omega t + phase)", default=0.0)
     spectrum: str = quantity("", "spectrum of an irregular sea", default="none", choices=("none", "pierson-moskowitz", "jonswap"))
     significant_height: float = quantity("m", "significant wave height of the spectrum", default=0.0, least=0.0)
@@ -258,10 +258,10 @@ class Top:
     )
     clamped: bool = quantity("", "whether the top is clamped: the cable leaves it at the clamp's angles", default=False)
     clamp_declination: float = quantity(
-        "rad", "angle from straight down at which the cable leaves the clamp", default=0.0, least=0.0, most=TURN
+        "rad", "angle from straight down at which the cable leaves the clamp", default=0.0, least=0.0, most=FULL_TURN
     )
     clamp_direction: float = quantity(
-        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-TURN, most=TURN
+        "rad", "direction towards which it leans there, from x towards y", default=0.0, least=-FULL_TURN, most=FULL_TURN
     )
     motion: tuple[Motion, ...] = quantity("", "parts of the motion", default=())
     table: tuple[tuple[float, float, float, float], ...] = quantity(

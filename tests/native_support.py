@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fmu_support import Fmu, Instance
+from fmu_support import Fmu, Instance, assert_same
 
 from cable_model.effects import used_by
 from cable_model.models import MODELS
 from cable_model.scene import Scene, load, with_values
 from cable_model.simulated import left_out_for
-from fmu_src.interface import table
+from fmu_src.interface import generic_scene, scene_from_values, table
 from fmu_src.native import build, link
 from fmu_src.native.targets import LINUX
 
@@ -62,3 +62,16 @@ def library_run(key: str, scene: Scene, inputs: np.ndarray, step: float) -> np.n
 def native_run(instance: Instance, values: dict[str, Any], inputs: np.ndarray, step: float) -> np.ndarray:
     instance.initialize(values, inputs[0])
     return np.array([instance.outputs(), *(instance.step(k * step, step, row) for k, row in enumerate(inputs))])
+
+
+def gives_what_the_library_gives(fmu: Fmu, model: str, values: dict[str, Any], inputs: np.ndarray, step: float) -> Instance:
+    """An instance of a generic FMU that has run with these values as the library does, and goes on alike from a saved state."""
+    instance = fmu.instance()
+    found = native_run(instance, values, inputs, step)
+    assert_same(found, library_run(model, scene_from_values(generic_scene(), values, model), inputs, step))
+    saved = instance.slave.getFMUstate()
+    count = len(inputs)
+    ahead = [instance.step((count + k) * step, step, inputs[k]) for k in range(5)]
+    instance.slave.setFMUstate(saved)
+    assert np.array_equal([instance.step((count + k) * step, step, inputs[k]) for k in range(5)], ahead)
+    return instance

@@ -99,7 +99,11 @@ def test_a_mooring_over_a_slope_is_the_catenary_that_goes_over_into_it(slope):
 
 @pytest.mark.parametrize("nodes", [51, 101, 201])
 def test_without_friction_tension_less_weight_times_height_is_the_same_all_along_any_bottom(nodes):
-    """As a cable stretches, T (1 + T/(2 EA)) - w z."""
+    """As a cable stretches, T (1 + T/(2 EA)) - w z; touchdown falls anywhere in a cell h, of height h^2/(8 R), at both ends and on crests.
+
+    R = 15 m is where it leaves the bottom, H/w.
+    """
+    lost = WEIGHT * (LENGTH / (nodes - 1)) ** 2 / (8.0 * 15.0)
 
     def differs(model) -> float:
         low, high = (tension * (1.0 + tension / (2.0 * STIFFNESS)) for tension in model.outputs[[11, 3]])
@@ -107,7 +111,7 @@ def test_without_friction_tension_less_weight_times_height_is_the_same_all_along
 
     model = make(MOORING, seabed__level=0.0, seabed__profile=HILLS, solver__nodes=nodes, seabed__stiffness=3e8)
     model.initialize(still(TOP)(0.0))
-    assert differs(model) < 20.0 / nodes**2
+    assert differs(model) < 3.0 * lost
     model = make(
         MOORING, solver__nodes=nodes, solver__space=True, seabed__stiffness=3e8, seabed__level=0.0,
         seabed__grid=[[x, y, z + 0.02 * y * (1.0 + 0.05 * x)] for x, z in HILLS for y in (-8.0, -1.0, 3.0, 9.0)],
@@ -115,7 +119,7 @@ def test_without_friction_tension_less_weight_times_height_is_the_same_all_along
     model.initialize(still((32.0, 1.0, 0.3))(0.0))
     x, y, _ = model.positions().T
     assert np.abs(y - x / 32.0).max() > 0.3  # it does not lie straight
-    assert differs(model) < 20.0 / nodes**2
+    assert differs(model) < 3.0 * lost
 
 
 def test_a_cable_over_a_hump_is_pressed_by_its_tension_over_the_radius_as_well():
@@ -232,13 +236,12 @@ def test_slopes_and_curvatures_are_the_derivatives_of_the_height(place):
 
 
 def test_finer_heights_come_nearer_to_a_smooth_bottom():
-    errors = []
-    for count in (11, 21, 41):
+    """At a peak between its points both slopes there may be 0, and are up to h |b''| else: a cubic then errs by 4/27 h^2 |b''|."""
+    for count in (11, 21, 41, 81):
         x = np.linspace(0.0, 4.0, count)
         table = relief(scene_of(MOORING, seabed__level=0.0, seabed__profile=np.column_stack((x, np.sin(x))).tolist()))
-        errors.append(max(abs(shape_at(table, at, 0.0)[0] - np.sin(at)) for at in np.linspace(0.5, 3.5, 301)))
-    assert errors[1] < 0.35 * errors[0]
-    assert errors[2] < 0.4 * errors[1]
+        error = max(abs(shape_at(table, at, 0.0)[0] - np.sin(at)) for at in np.linspace(0.5, 3.5, 301))
+        assert error < 4.0 / 27.0 * (4.0 / (count - 1)) ** 2
 
 
 def test_x_and_y_of_a_grid_are_alike():

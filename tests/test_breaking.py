@@ -7,7 +7,7 @@ from parting_support import STRING
 
 from cable_model.errors import SolverError
 from cable_model.kernels import header
-from cable_model.kernels.watch import ALL_GONE
+from cable_model.kernels.doubt import ALL_GONE
 
 pytestmark = pytest.mark.shipped
 

@@ -14,7 +14,8 @@ from cable_model import CableChain, simulate
 from cable_model.errors import ParameterError
 from cable_model.kernels import friction
 from cable_model.kernels.audit import BED_WORK
-from cable_model.kernels.seabed import COLUMNS, Ground
+from cable_model.kernels.contact import BASE, COLUMNS
+from cable_model.kernels.seabed import Ground
 from cable_model.kernels.staggered_step import Gains
 from cable_model.scene import from_dict, with_values
 from cable_model.tow_cable import TowCable
@@ -158,7 +159,7 @@ def test_a_slider_stores_no_more_than_it_took(like):
         force = rng.uniform(0.0, 200.0)
         level = np.array([*u[:-1], 0.0])
         contact[0, 0] = force
-        contact[0, friction.BASE : friction.BASE + len(like)] = stretch[0]
+        contact[0, BASE : BASE + len(like)] = stretch[0]
         before = stretch.copy()
         per_force, fixed, _ = friction.friction_of(True, ground, gains, length, up, None, like, u, force, contact, 0)
         pull = force * np.array(per_force) + np.array(fixed)

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from chain_support import HANGING, make, unroll, view, with_tensions
 
-from cable_model.kernels import friction, seabed
+from cable_model.kernels import seabed
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.build import build
+from cable_model.kernels.contact import BEFORE, CHANGE, FORCE, NOW
 from cable_model.kernels.family import Coefficients, coefficients
 from cable_model.kernels.staggered import FADING, assemble, prescribe_ends
 from cable_model.kernels.staggered_step import Gains, Winding, _update_tensions, average
@@ -63,7 +64,7 @@ class Step:
         ground = self.problem.ground
         seabed.start_contacts(parts.seabed, parts.friction, ground, self.now.mesh, self.y0, self.n - 1, STEP, self.top, contact)
         self.fading = rng.uniform(0.0, 1.0, self.n - 1)  # shares of the slack damping
-        self.contacts = self.now.scratch.contact[:, seabed.FORCE].copy()
+        self.contacts = self.now.scratch.contact[:, FORCE].copy()
 
     def assemble(self, v1: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (n, D) and full Jacobian at new velocities v1 (n, D); cell tensions are expanded about `force`."""
@@ -73,8 +74,8 @@ class Step:
         y1[self.n :] = v1
         s.cells[: self.n - 1, 0] = force
         s.cells[: self.n - 1, FADING] = self.fading
-        s.contact[:, seabed.FORCE] = self.contacts
-        s.contact[:, friction.BEFORE : friction.NOW] = 0.0  # no slider pulled the other way before
+        s.contact[:, FORCE] = self.contacts
+        s.contact[:, BEFORE:NOW] = 0.0  # no slider pulled the other way before
         s.length[: self.n - 1] = np.linalg.norm(self.y0[: self.n - 1], axis=1)
         mixed = (alpha_m / (1.0 - alpha_m), 1.0 / (1.0 - alpha_m), 1.0 / (gamma * STEP), (1.0 - gamma) / gamma)
         average(self.now.mesh, self.y0, self.yd0, y1, self.c, STEP, *mixed, s, self.top)
@@ -95,7 +96,7 @@ class Step:
         for _ in range(200):
             self.assemble(v1, force)
             change = self.now.scratch.cells[: self.n - 1, 1].copy()
-            self.contacts = np.maximum(self.contacts + self.now.scratch.contact[:, seabed.CHANGE], 0.1 * self.contacts)
+            self.contacts = np.maximum(self.contacts + self.now.scratch.contact[:, CHANGE], 0.1 * self.contacts)
             force = np.maximum(force + change, 0.1 * force) if self.model.parts.slack else force + change
         assert np.max(np.abs(change)) < 1e-10 * np.max(np.abs(force))
         return force
@@ -232,7 +233,7 @@ def test_newton_squares_the_size_of_its_change_every_iteration(base, changes, se
         _update_tensions(parts.slack, parts, step.problem, step.now.mesh, s.cells)
         contacts = step.contacts
         seabed.update_contacts(parts.seabed, parts.friction, step.problem.ground, step.gains, step.now.mesh, s.x, step.top, s.contact)
-        step.contacts = s.contact[:, seabed.FORCE].copy()
+        step.contacts = s.contact[:, FORCE].copy()
         v1 += s.x[: step.n]
         new = s.cells[: step.n - 1, 0].copy()
         pressed = np.abs(step.contacts - contacts)[: step.n - 1] / np.abs(step.contacts[: step.n - 1]) if parts.seabed else 0.0

@@ -18,7 +18,7 @@ from cable_model import CableChain, TowCable, load, simulate
 from cable_model.cli import app
 from cable_model.doubts import FEWEST_STEPS, at_the_start, before_the_run, forcing, seen, under_a_given_motion
 from cable_model.kernels.jit import for_kernels
-from cable_model.kernels.watch import watch_outputs
+from cable_model.kernels.watch_outputs import watch_outputs
 from cable_model.model import Model
 from cable_model.parameters import value_of
 from cable_model.scene import Scene, from_dict, shipped, to_toml, with_values

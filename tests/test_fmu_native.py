@@ -123,11 +123,11 @@ def test_the_rules_written_for_c_are_those_of_scenes(key: str):
     accepted = draws = 0
     while draws < 1500 or accepted <= 50:
         draws += 1
-        assert draws < 10_000
+        assert draws < 40_000
         values = [row.start for row in rows]
         for vr, row in enumerate(rows):
             free = row.causality == "parameter" and row.name not in rules.kept
-            if free and (row.minimum or 0.0) <= 0.0 and not row.minimum_excluded and draw.random() < 0.28:
+            if free and (row.minimum or 0.0) <= 0.0 and not row.minimum_excluded and draw.random() < 0.35:
                 real = row.gap[1] if row.gap else (0.3 if row.maximum is None else min(0.3, row.maximum))
                 values[vr] = {"Boolean": True, "Integer": 1, "Real": real}[row.kind] if draw.random() < 0.6 else type(row.start)(0)
         values[next(vr for vr, row in enumerate(rows) if row.name == "environment.gravity")] = 9.8

@@ -7,7 +7,7 @@ from parting_support import IMPACT, KINDS, MOORING, PULL, SLOW_KINDS, SPEED, STR
 
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
-from cable_model.kernels.watch import PARTS
+from cable_model.kernels.doubt import PARTS
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate
 

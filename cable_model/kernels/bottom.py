@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.contact import NORMAL
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import (
     add_matrix,
@@ -27,9 +28,7 @@ from cable_model.kernels.vector import (
     upward,
 )
 
-HEIGHT, SLOPE_X, SLOPE_Y, TWIST = 2, 3, 4, 5  # columns of the table after x and y; its first row has the number of places along y
-PLACE, MOTION, NORMAL = 16, 19, 22  # columns of the seabed's contact table, three each: place and velocity of a node at the old time; n
-COLUMNS = 25
+Z, Z_X, Z_Y, Z_XY = 2, 3, 4, 5  # columns of the table after x and y: height and slopes; its first row has the number of places along y
 
 
 @kernel
@@ -79,17 +78,17 @@ def shape_at(table, x, y):
     low = 1 + i * across + j
     high = low + across
     w, dw, ddw = _weights(x, table[low, 0], table[high, 0])
-    here, here_x = _over(table, low, high, HEIGHT, SLOPE_X, w), _over(table, low, high, HEIGHT, SLOPE_X, dw)
-    here_xx = _over(table, low, high, HEIGHT, SLOPE_X, ddw)
+    here, here_x = _over(table, low, high, Z, Z_X, w), _over(table, low, high, Z, Z_X, dw)
+    here_xx = _over(table, low, high, Z, Z_X, ddw)
     if across == 1:
         return here, here_x, 0.0, here_xx, 0.0, 0.0
-    turned, turned_x = _over(table, low, high, SLOPE_Y, TWIST, w), _over(table, low, high, SLOPE_Y, TWIST, dw)
-    turned_xx = _over(table, low, high, SLOPE_Y, TWIST, ddw)
+    turned, turned_x = _over(table, low, high, Z_Y, Z_XY, w), _over(table, low, high, Z_Y, Z_XY, dw)
+    turned_xx = _over(table, low, high, Z_Y, Z_XY, ddw)
     low, high = low + 1, high + 1
-    there, there_x = _over(table, low, high, HEIGHT, SLOPE_X, w), _over(table, low, high, HEIGHT, SLOPE_X, dw)
-    there_xx = _over(table, low, high, HEIGHT, SLOPE_X, ddw)
-    twisted, twisted_x = _over(table, low, high, SLOPE_Y, TWIST, w), _over(table, low, high, SLOPE_Y, TWIST, dw)
-    twisted_xx = _over(table, low, high, SLOPE_Y, TWIST, ddw)
+    there, there_x = _over(table, low, high, Z, Z_X, w), _over(table, low, high, Z, Z_X, dw)
+    there_xx = _over(table, low, high, Z, Z_X, ddw)
+    twisted, twisted_x = _over(table, low, high, Z_Y, Z_XY, w), _over(table, low, high, Z_Y, Z_XY, dw)
+    twisted_xx = _over(table, low, high, Z_Y, Z_XY, ddw)
     u, du, ddu = _weights(y, table[low - 1, 1], table[low, 1])
     return (
         u[0] * here + u[1] * there + u[2] * turned + u[3] * twisted,

@@ -29,7 +29,7 @@ from cable_model.kernels.parting import Event, breaks, due, has_gone, left, load
 from cable_model.kernels.path import WINCH, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
 from cable_model.kernels.problem import is_neutral, with_tolerance
-from cable_model.kernels.watch import open_bottom
+from cable_model.kernels.watch_outputs import open_bottom
 
 # what a model calls
 __all__ = ("advance", "initialize", "outputs", "points", "release", "set_off", "settle", "state_size", "work_size")

@@ -16,7 +16,7 @@ from cable_model.kernels.parting import has_gone, left, lost
 from cable_model.kernels.pending import tensions_ahead
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import axpy, dot, mix
-from cable_model.kernels.watch import watch_outputs, watch_set_off
+from cable_model.kernels.watch_outputs import watch_outputs, watch_set_off
 
 
 @kernel

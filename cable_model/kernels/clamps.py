@@ -31,7 +31,7 @@ from cable_model.kernels.vector import (
     sub,
     zero,
 )
-from cable_model.kernels.watch import watch_clamp
+from cable_model.kernels.watch_outputs import watch_clamp
 
 TOP, BELOW = True, False  # which end: `upper` in what follows
 

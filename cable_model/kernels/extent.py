@@ -9,12 +9,12 @@ from cable_model.kernels.bottom import normal_under, over_bottom
 from cable_model.kernels.cells import of_cell, turn_stiffness
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.clamps import BELOW, TOP, tell_torque
+from cable_model.kernels.contact import FORCE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import body_weight, density_of
-from cable_model.kernels.seabed import FORCE
 from cable_model.kernels.vector import axpy, load, mix, norm, sub
-from cable_model.kernels.watch import watch_cell
+from cable_model.kernels.watch_outputs import watch_cell
 from cable_model.kernels.waves import elevation
 
 MOMENT, HANGING, REACTION, TOUCHDOWN = 34, 35, 36, 37  # of the outputs; the last is the first of three

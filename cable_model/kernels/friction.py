@@ -17,6 +17,7 @@ with xi minus that place.  Other statics have no friction: mu, k and c are 0.
 
 from cable_model.kernels.bottom import add_tilt
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.contact import BASE, BEFORE, FORCE, NOW, TURNS, WAIT
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import (
     add_matrix,
@@ -33,13 +34,6 @@ from cable_model.kernels.vector import (
     sub,
     zero,
 )
-
-BASE = 5  # columns of the seabed's contact table, three each: xi
-BEFORE = 8  # P at the iteration before
-NOW = 11  # P at this one, and then as the velocities' change takes it on
-TURNS = 14  # how often it has turned round in the iterations of this step
-WAIT = 15  # iterations for which it still takes the secant
-COLUMNS = 16
 
 LEVEL_WITH = 1e-6  # share of mu N by which a slider that holds may exceed it: rounding
 
@@ -149,7 +143,7 @@ def _nothing_kept(friction, ground, length, h, contact, i, like, stretch):
 def _keep(friction, ground, length, h, contact, i, like, stretch):
     pull = load_from(contact, i, NOW, like)
     size = norm(pull)
-    limit = ground.friction * contact[i, 0]
+    limit = ground.friction * contact[i, FORCE]
     if size > limit:
         pull = scale(limit / size, pull)
     firm = h * ground.grip + ground.drag

@@ -14,7 +14,7 @@ from cable_model.kernels.problem import slack_weight, total_weight
 from cable_model.kernels.seabed import keep_sliders, recall_sliders, start_contacts
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.vector import axpy, dot, load, mix
-from cable_model.kernels.watch import NOTHING, Seen
+from cable_model.kernels.watch_outputs import NOTHING, Seen
 
 
 @kernel

@@ -35,7 +35,7 @@ LAG_BEFORE = 82  # LAG of the internal step before
 EXCHANGE = 83  # 83..104: what exchange.py keeps
 RINGING = 105  # 105..194: what ringing.py keeps
 HOST = 195  # 195..254: what host.py keeps
-DOUBTS = 255  # how many kinds of doubt watch.py has seen
+DOUBTS = 255  # how many kinds of doubt.py have been seen
 DOUBT = 256  # 256..319: a pair of numbers for each kind, 0 until it is seen; the last few are free
 WATCH = 320  # 320..342: what watch.py keeps
 INSTANTS = 343  # 343..355: what instants.py keeps
@@ -62,7 +62,7 @@ WHOLE, SHORTER, ALL_LOST = 0.0, 1.0, 2.0  # of PARTED
 AT_START, AT_END, DONE = 1.0, 2.0, 3.0  # of CUT
 
 CELLS_OF_A_SECTION = 2  # at least
-SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little; what rules refuse at the start, and watch.py tells of
+SUNK = 10.0  # diameters below a seabed: an end that lies on it sinks in a little; rules refuse it, watch_outputs.py tells of it
 
 OK = 0
 STEP_TOO_SMALL = 1  # Newton failed down to the smallest step

@@ -7,11 +7,12 @@ comes in time with a swing of the cable's own add up, and the means stay right. 
 
 import math
 
+from cable_model.kernels.doubt import GRAVITY, KICKED, SWINGS, note
 from cable_model.kernels.exchange import MEAN, TOLD
 from cable_model.kernels.header import DOUBT, INSTANTS
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.ringing import ALIKE, IN_A_ROW, WINDOW
-from cable_model.kernels.watch import GRAVITY, KICKED, SPAN, SWINGS, note
+from cable_model.kernels.watch import SPAN
 
 FORCE = INSTANTS  # at the start of the last communication step, N; three numbers
 BEFORE = INSTANTS + 3  # mean force of the step before it, N; three numbers

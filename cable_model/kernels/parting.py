@@ -15,6 +15,7 @@ from typing import NamedTuple
 from cable_model.kernels import header
 from cable_model.kernels.cells import of_cell
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.doubt import ALL_GONE, PARTS, note
 from cable_model.kernels.header import ALL_LOST, AT_END, AT_START, DONE, SHORTER, WHOLE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.pending import ahead_to_end
@@ -22,7 +23,6 @@ from cable_model.kernels.problem import shortened
 from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import floor
 from cable_model.kernels.staggered_chain import CELLS, end_tension, node_tension
-from cable_model.kernels.watch import ALL_GONE, PARTS, note
 
 NEVER = 1e300
 AT_ONCE = 1e-9  # of a communication step: times that are closer are the same

@@ -14,11 +14,12 @@ Both ends are looked at where the lower one is driven; `kept` is what the state 
 import math
 
 from cable_model.kernels import watch
+from cable_model.kernels.doubt import RINGS, note
 from cable_model.kernels.exchange import GROWTH, MEAN, NEXT, TO_LOWER, TOLD
 from cable_model.kernels.header import LOWER_RINGING, PAID_OUT, PARTED, RINGING, WHOLE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.path import LOWER_END, UPPER_END
-from cable_model.kernels.watch import LAST, RINGS, SPAN, note
+from cable_model.kernels.watch import LAST, SPAN
 
 HELD = 3  # forces that a host may hold: that told before the step, the mean of the step (the cable steps first), that of the one before
 END_SPEED = 3 * HELD  # places in a row: velocity of the cable's end, that of the host, the step

@@ -13,9 +13,9 @@ N is an unknown in the barrier form of slack.py; as it belongs to one node it is
 from typing import NamedTuple
 
 from cable_model.kernels import friction as sliders
-from cable_model.kernels.bottom import COLUMNS as BOTTOM_COLUMNS
-from cable_model.kernels.bottom import MOTION, NORMAL, PLACE, add_turn, by_approach, normal_under, over_bottom, turning
+from cable_model.kernels.bottom import add_turn, by_approach, normal_under, over_bottom, turning
 from cable_model.kernels.choice import by_presence
+from cable_model.kernels.contact import BASE, BY_VELOCITY, CHANGE, FORCE, HEIGHT, MOTION, NORMAL, PLACE, SPEED
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import weight_on
 from cable_model.kernels.problem import cable_of
@@ -23,12 +23,6 @@ from cable_model.kernels.sections import made_of
 from cable_model.kernels.slack import constitutive, iterate, step_tension
 from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, load, load_from, norm, outer, scale, store_from, sub, upward, zero
 
-FORCE = 0  # columns of the contact table: N
-CHANGE = 1  # its Newton change at fixed velocities
-HEIGHT = 2  # height, and velocity along the normal, of the node at the old time
-SPEED = 3
-BY_VELOCITY = BOTTOM_COLUMNS  # the derivative of N by the velocity of the node, three
-COLUMNS = BY_VELOCITY + 3  # the others are friction.py's and bottom.py's
 LIGHTEST = 1e-3  # of the weight of a metre on average
 RESTING = 0.05  # of the weight that a node carries
 
@@ -254,7 +248,7 @@ def _nothing_to_recall(friction, stretch, like, contact):
 @kernel
 def _recall(friction, stretch, like, contact):
     for i in range(stretch.shape[0]):
-        store_from(contact, i, sliders.BASE, load(stretch, i, like))
+        store_from(contact, i, BASE, load(stretch, i, like))
 
 
 recall_sliders = by_presence(_nothing_to_recall, _recall)  # the state's stretches, before a step
@@ -274,7 +268,7 @@ def _lay_out(friction, ground, mesh, anchor, top, contact):
     reach = norm(ahead)
     place = sub(zero(top), anchor)
     for i in range(mesh.shape[0]):
-        store_from(contact, i, sliders.BASE, scale(ground.laid, axpy(-place[len(top) - 1], upward(1.0, top), place)))
+        store_from(contact, i, BASE, scale(ground.laid, axpy(-place[len(top) - 1], upward(1.0, top), place)))
         if reach > 0.0:
             place = axpy(-mesh[i, 0] / reach, ahead, place)
 

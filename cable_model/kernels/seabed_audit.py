@@ -7,7 +7,7 @@ import math
 
 from cable_model.kernels.bottom import over_bottom
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.friction import BASE
+from cable_model.kernels.contact import BASE
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.seabed import carried, under
 from cable_model.kernels.sections import made_of

@@ -85,7 +85,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
     cells (>=n-1, 3D+5), a row each: the tension of the slack law, T + T_c, its change c at fixed velocities (written), the averaged
     stretch, the unit tangent at the new time (replaced by that at the averaged time), b (written), D places of the solver, the share of
     the slack damping, the shortfall.
-    contact (n, .): the table of seabed.py, likewise.
+    contact (n, .): the table of contact.py, likewise.
     """
     body, ground = problem.body, problem.ground
     n = v.shape[0]

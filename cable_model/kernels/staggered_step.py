@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 from cable_model.kernels.block_elimination import solve
 from cable_model.kernels.cells import of_cell
+from cable_model.kernels.contact import CHANGE
+from cable_model.kernels.contact import COLUMNS as CONTACT_COLUMNS
 from cable_model.kernels.convergence import has_converged, is_rough
 from cable_model.kernels.jit import kernel, views
 from cable_model.kernels.line_bodies import mass_on, weight_on
 from cable_model.kernels.problem import body_mass, density_of
-from cable_model.kernels.seabed import CHANGE, rests, start_contacts, update_contacts
-from cable_model.kernels.seabed import COLUMNS as CONTACT_COLUMNS
+from cable_model.kernels.seabed import rests, start_contacts, update_contacts
 from cable_model.kernels.slack import fading, floor, step_tension, width
 from cable_model.kernels.staggered import FADING, SHARE, assemble, prescribe_ends
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, sub, zero
@@ -57,7 +58,7 @@ class Scratch(NamedTuple):
     bands: object
     cells: object
     length: object  # stretch of the cells before the step
-    contact: object  # columns of seabed.py
+    contact: object  # columns of contact.py
     whole: object  # all of it, for statics on coarser meshes
 
 

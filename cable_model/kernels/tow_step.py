@@ -74,7 +74,7 @@ from cable_model.kernels.tow_schemes import (
 from cable_model.kernels.tow_space import keep_in_space, motion_in_space, outputs_in_space, recharted_in_space
 from cable_model.kernels.tow_static import initialize, points, state_size
 from cable_model.kernels.vector import diagonal
-from cable_model.kernels.watch import watch_outputs, watch_straight
+from cable_model.kernels.watch_outputs import watch_outputs, watch_straight
 
 __all__ = ("advance", "initialize", "outputs", "points", "state_size", "work_size")
 
