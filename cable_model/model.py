@@ -57,6 +57,12 @@ _REMEDIES = {
 }
 
 
+def _lying_ready(model: Model) -> Calls | None:
+    from cable_model import ready
+
+    return ready.calls(model)
+
+
 class Model:
     """A cable under a moving top end, stepped like a co-simulation component.
 
@@ -65,7 +71,8 @@ class Model:
     """
 
     name = ""
-    offered: ClassVar[Callable[[Model], Calls | None] | None] = None  # kernels for every model that is not given its own
+    # kernels for every model that is not given its own; None: numba compiles them, for exactly the effects of each scene
+    offered: ClassVar[Callable[[Model], Calls | None] | None] = staticmethod(_lying_ready)
     _at_rest = np.zeros(13)  # the inputs beyond the top's, of a winch, a lower end and water that stand still
 
     def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:

@@ -28,13 +28,13 @@ from pythonfmu import FmuBuilder
 from cable_model import __version__
 from cable_model.cli import summary
 from cable_model.cli_console import check_output, console, load_scene, words_of
+from cable_model.entries import Variant
 from cable_model.errors import ParameterError, SolverError, writing
 from cable_model.models import MODELS
 from cable_model.scene import Scene
 from fmu_src import trial
 from fmu_src.documentation import build as documentation
 from fmu_src.documentation import licences
-from fmu_src.entries import Variant
 from fmu_src.interface import generic_scene, table
 from fmu_src.launcher import build as launcher
 from fmu_src.model_description import epoch_of, osp_description
@@ -42,7 +42,7 @@ from fmu_src.native import build as native_build
 from fmu_src.native import link
 from fmu_src.native.build import IDENTIFIERS
 from fmu_src.native.export import ExportError
-from fmu_src.native.object_code import can_export, object_code, prepare_generic, variants_of
+from fmu_src.native.object_code import can_export, object_code, prepare, variants_of
 from fmu_src.vendoring import Vendored, vendor
 
 HERE = Path(__file__).resolve().parents[1]  # where both packages lie
@@ -70,7 +70,7 @@ if locals() is globals():
         staging.load("{package}", Path(__file__).parent)
         wrapper = importlib.import_module("{package}.fmu_src.wrapper")
         CableSlave = importlib.import_module("{package}.fmu_src.slave").CableSlave
-        precompiled = importlib.import_module("{package}.fmu_src.precompiled")
+        precompiled = importlib.import_module("{package}.cable_model.precompiled")
     except ModuleNotFoundError as error:
         what = "Install what resources/requirements.txt lists, or use the native FMU."
         raise ImportError("%s: must be installed where this FMU runs. %s" % (error.name, what)) from error
@@ -268,7 +268,8 @@ def main(
         else:
             dist = output or Path("dist")
             if can_export() and (precompile or native is not False):
-                prepare_generic()
+                with contextlib.suppress(ExportError):  # it fails again, and is told, where it is asked for
+                    prepare()
             asked = bool(native or platform or fmi3)  # then what cannot be linked is an error
             made = native_build.build_all(dist, platform or (), asked) if native is not False else []
             if made and fmi3 is not False:

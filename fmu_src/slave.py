@@ -25,13 +25,13 @@ from cable_model.errors import ParameterError, SolverError, refuse
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.parameters import field_of
+from cable_model.precompiled import ObjectCode
 from cable_model.scene import Scene, from_dict
 from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import one_line
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables, scene_from_values, table
 from fmu_src.model_description import model_description
 from fmu_src.order import Experiment, Phase, expect
-from fmu_src.precompiled import ObjectCode
 from fmu_src.state import ONLY_OWN, TIMES, SavedState, StateError, checked, pack, unpack
 from fmu_src.wrapper import forget_interpreter, keep, look_here_once, release, same_text
 

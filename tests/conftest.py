@@ -14,7 +14,8 @@ from fmi_calls import Component, Library
 from fmu_support import Fmu
 from native_support import KEYS
 
-from cable_model import CableChain, load, simulate
+from cable_model import CableChain, load, ready, simulate
+from cable_model.calls import Calls
 from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.simulation import Result
@@ -22,13 +23,13 @@ from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene
 from fmu_src.native import build, object_code
 from fmu_src.native.build import IDENTIFIERS
-from fmu_src.precompiled import ObjectCode
+from fmu_src.native.targets import LIBRARY
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """One worker builds the generic FMUs, once, and runs their tests first: the others would wait for it.
 
-    What runs on their object code comes last, when it is there; test_plain runs what is to run as plain Python.
+    What numba compiles comes before what runs on object code for every scene; test_plain runs what is to run as plain Python.
     """
     plain = [item for item in items if item.get_closest_marker("plain")]
     if not numba.config.DISABLE_JIT and plain:
@@ -37,7 +38,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     def turn(item: pytest.Item) -> int:
         groups = [mark.args[0] for mark in item.iter_markers("xdist_group")]
-        return 0 if "native" in groups else 2 if item.get_closest_marker("shipped") else 1
+        return 0 if "native" in groups else 1 if item.get_closest_marker("compiled") else 2
 
     for item in items:
         if {"fmu", "fmus", "native", "native3"} & set(getattr(item, "fixturenames", ())):
@@ -46,19 +47,23 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @functools.cache
-def shipped(model: str) -> ObjectCode:
-    """The object code that a model's generic FMUs ship."""
-    variants = object_code.GENERIC[model]
-    return ObjectCode(object_code.object_code(model, variants), variants)
+def _prepare() -> None:
+    object_code.prepare(ready.EVERY, LIBRARY)
+
+
+def _lying_ready(model: Model) -> Calls | None:
+    _prepare()
+    return ready.calls(model)
 
 
 @pytest.fixture(autouse=True, scope="module")
-def _on_shipped_code(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Models of a module marked `shipped` run on object code that is compiled once, not by numba for each set of parts, where it serves."""
-    if request.node.get_closest_marker("shipped") and object_code.can_export() and not numba.config.DISABLE_JIT:
-        Model.offered = staticmethod(lambda model: shipped(model.name).calls(model))
+def _kernels(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Models run on object code for every scene, compiled once; those of a module marked `compiled` on what numba makes for their parts."""
+    before = Model.offered
+    compiled = request.node.get_closest_marker("compiled") or numba.config.DISABLE_JIT or not object_code.can_export()
+    Model.offered = None if compiled else staticmethod(_lying_ready)
     yield
-    Model.offered = None
+    Model.offered = before
 
 
 @pytest.fixture(scope="session")

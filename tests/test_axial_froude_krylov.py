@@ -10,8 +10,6 @@ from cable_model.scene import load, with_values
 from cable_model.simulation import simulate
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 # source: public report F2; a vertical pipe from -5 to -55 m in a wave of 5 m and 10 s, water of 1000 kg/m3
 PIPE = load(Path(__file__).parent / "data" / "F2_vertical_pipe_wave.toml")
 NUMBER = (2.0 * np.pi / 10.0) ** 2 / 9.81  # of the wave, 1/m

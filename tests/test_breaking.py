@@ -9,8 +9,6 @@ from cable_model.errors import SolverError
 from cable_model.kernels import header
 from cable_model.kernels.doubt import ALL_GONE
 
-pytestmark = pytest.mark.shipped
-
 
 def pulled_up(t):
     """A top that rises ever faster from rest: position, velocity, acceleration (9,)."""

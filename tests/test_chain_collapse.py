@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SHORT_BENDING, WEIGHT, cubic, drive, every, make, swing, view
 
-pytestmark = pytest.mark.shipped
-
 SETTINGS = [(nodes, step) for nodes in (51, 101) for step in (0.01, 0.002)]
 STIFFNESSES = (1e2, 1e3, 1e4, 1e5, 1e6, 1e8, 1e10, 1e12)  # over the weight
 

@@ -19,8 +19,6 @@ from chain_support import (
 )  # fmt: skip
 from scipy.integrate import cumulative_simpson
 
-pytestmark = pytest.mark.shipped
-
 SWAY = swing((0.02, 0.0, 0.01), SECOND_MODE, phase=(0.0, 0.0, 0.5))
 HEAVE = swing((0.5, 0.0, 1.0), 2.0 * np.pi / 8.0, ramp_time=8.0, phase=(0.0, 0.0, np.pi / 2.0))
 

@@ -11,8 +11,6 @@ from cable_model.kernels.problem import Water
 from cable_model.kernels.waves import wave_motion
 from cable_model.sea import table_of
 
-pytestmark = pytest.mark.shipped
-
 WAVE = np.array([[0.8, 1.1, 1.1**2 / 9.81, 0.6, 0.3, 0.0]])  # amplitude, omega, k = omega^2/g, direction, phase
 SEA = Parts(waves=table_of(WAVE))
 PLACE, TIME = (2.0, -1.0, -3.0), 1.7

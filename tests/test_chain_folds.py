@@ -13,8 +13,6 @@ from cable_model.cable_chain import CableChain
 from cable_model.errors import SolverError
 from cable_model.kernels import header
 
-pytestmark = pytest.mark.shipped
-
 FOLDED = scene.load(Path(__file__).parent / "data" / "F5_slack_mooring_801.toml")
 FORCE = slice(0, 3)  # of the outputs
 GRAVITY, DENSITY = 9.80665, 1025.0

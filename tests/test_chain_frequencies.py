@@ -14,8 +14,6 @@ from cable_model.kernels.staggered import assemble
 from cable_model.kernels.staggered_step import Gains, Winding, newton_step
 from cable_model.parameters import INTEGRATORS
 
-pytestmark = pytest.mark.shipped
-
 UNIT = {
     "cable": {"length": 1.0, "mass_per_length": 1.0, "axial_stiffness": 1e9},
     "environment": {"gravity": 1.0},

@@ -20,8 +20,6 @@ from cable_model.kernels.staggered_step import Gains
 from cable_model.scene import from_dict, with_values
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 STIFFNESS, FRICTION, DISPLACEMENT = 1e6, 98.0, 1e-3  # EA in N, f in N/m, d in m
 PULL, PULLED_IN = 0.3, 30.0  # m, s
 BED, DEPTH = -50.0, 98.0 / (3e6 * 0.05)  # m: how deep it sinks in

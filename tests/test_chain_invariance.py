@@ -9,8 +9,6 @@ from cable_model.cable_chain import CableChain
 from cable_model.kernels import header
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 SWAY = swing((0.02, 0.0, 0.01), SECOND_MODE, phase=(0.0, 0.0, 0.5))
 STREAM = {**WIRE, "cable": {**WIRE["cable"], "added_mass_coefficient": 1.0, "tangential_drag_coefficient": 0.05}, "current": {"speed": 0.7}}
 BASE = {**HANGING, "solver": {**HANGING["solver"], "nodes": 26}}

@@ -13,8 +13,6 @@ from cable_model import scene
 from cable_model.cable_chain import CableChain
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 DATA = Path(__file__).parent / "data"
 LENGTH, MASS, GRAVITY = 20.0, 0.5, 9.81
 WEIGHT = MASS * GRAVITY * LENGTH

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SECOND_MODE, WIRE, Motion, drive, every, make, observed_orders, swing
 
-pytestmark = pytest.mark.shipped
-
 SWAY = swing((0.02, 0.0, 0.0), SECOND_MODE)
 TOW = swing((0.5, 0.0, 0.5), 2.0 * np.pi / 8.0, ramp_time=8.0, phase=(0.0, 0.0, np.pi / 2.0))
 RHYTHM = np.array([1.0, 1.3, 0.8, 1.1, 0.9, 1.2, 0.7, 1.1, 0.9, 1.0])  # mean 1: every step differs from the one before

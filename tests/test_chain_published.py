@@ -9,8 +9,6 @@ from cable_model import scene
 from cable_model.cable_chain import CableChain
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 FOOT = 0.3048  # m
 
 

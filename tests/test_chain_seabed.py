@@ -7,8 +7,6 @@ from chain_support import drive, every, make, still, view
 
 from cable_model.errors import ParameterError
 
-pytestmark = pytest.mark.shipped
-
 MOORING = {
     "cable": {"length": 33.0, "mass_per_length": 0.08, "axial_stiffness": 1e4, "diameter": 0.0022},
     "lower_end": {"anchored": True, "z": -3.0},

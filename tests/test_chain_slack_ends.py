@@ -10,8 +10,6 @@ from cable_model import scene
 from cable_model.cable_chain import CableChain
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 LANDED = {  # 1 t in air, 100 m of rope, above a floor
     "cable": {"length": 100.0, "mass_per_length": 8.0, "axial_stiffness": 1e7, "diameter": 0.1},
     "body": {"mass": 1000.0},

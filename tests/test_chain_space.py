@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from chain_support import HANGING, SHORT_BENDING, WIRE, drive, every, make, swing
 
-pytestmark = pytest.mark.shipped
-
 
 @pytest.mark.parametrize("bending", [0.0, SHORT_BENDING])
 def test_a_plane_scene_in_space_is_the_plane_scene(bending):

@@ -9,8 +9,6 @@ from scipy.optimize import brentq
 
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 TOWED = {  # the shipped scene `towed_body` without its motion
     "cable": {
         "length": 400.0, "diameter": 0.013, "mass_per_length": 0.68, "axial_stiffness": 9.5e6, "normal_drag_coefficient": 1.2,

@@ -11,8 +11,6 @@ from chain_support import HANGING, SECOND_MODE, drive, every, make, swing
 
 from cable_model.kernels import header
 
-pytestmark = pytest.mark.shipped
-
 SWAY = swing((0.02, 0.0, 0.0), SECOND_MODE)
 RHYTHMS = {
     "alternating by a tenth": [1.0, 1.1],

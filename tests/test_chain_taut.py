@@ -10,8 +10,6 @@ from cable_model.cable_chain import CableChain
 from cable_model.kernels.slack import FADED, fading
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 HUNG_IN_AIR = {
     "cable": {"length": 300.0, "mass_per_length": 3.0, "axial_stiffness": 5e7},
     "solver": {"nodes": 51, "grading": 1.0, "lambda_infinity": -1.0},

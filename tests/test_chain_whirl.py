@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from chain_support import HANGING, drive, every, make, no_ramp, swing
 
-pytestmark = pytest.mark.shipped
-
 WHIRL = {
     **HANGING,
     "cable": {"length": 1.75, "mass_per_length": 0.2, "axial_stiffness": 1e6, "bending_stiffness": 1e-6 * 0.2 * 9.81 * 1.75**3},

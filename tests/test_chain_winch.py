@@ -11,8 +11,6 @@ from cable_model.kernels import header
 from cable_model.simulation import simulate
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 LOAD = {
     "cable": {"length": 50.0, "mass_per_length": 2.0, "axial_stiffness": 1e8},
     "body": {"mass": 100.0},

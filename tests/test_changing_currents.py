@@ -15,8 +15,6 @@ from cable_model.models import MODELS
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.tables import current_over_time
 
-pytestmark = pytest.mark.shipped
-
 
 @pytest.mark.parametrize(("model", "way"), WAY)
 def test_a_steady_current_by_inputs_is_that_of_the_scene(model, way):

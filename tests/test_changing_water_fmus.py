@@ -12,8 +12,6 @@ from native_support import FLAVOURS, gives_what_the_library_gives
 from cable_model.models import MODELS
 from cable_model.signals import INPUTS
 
-pytestmark = pytest.mark.shipped
-
 GUIDE = Path(__file__).parent.parent / "docs" / "how_to" / "water.md"
 STEP = 0.1
 VALUES = {

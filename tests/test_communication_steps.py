@@ -16,8 +16,6 @@ from cable_model.model import Model
 from cable_model.scene import from_dict, with_values
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 SLOW = bool(numba.config.DISABLE_JIT)  # plain Python: fewer steps
 SWAY = swing((0.02, 0.0, 0.0), SECOND_MODE)
 TOW = swing((0.5, 0.0, 0.5), 2.0 * np.pi / 8.0, ramp_time=4.0, phase=(0.0, 0.0, np.pi / 2.0))

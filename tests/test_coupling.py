@@ -17,8 +17,6 @@ from cable_model.model import Model
 from cable_model.scene import with_values
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 FORCE, MEAN, GROWTH = (OUTPUTS.index(name) for name in ("top.force_z", "top.force_mean_z", "coupling.growth"))
 FORM = re.compile(r"[^:]+ [^:]*\d[^:]*: .+\. (Give|Set|Check) .+\.")
 GUIDE = Path(__file__).resolve().parent.parent / "docs" / "how_to" / "coupling.md"

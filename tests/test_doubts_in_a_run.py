@@ -15,8 +15,6 @@ from cable_model import CableChain, TowCable
 from cable_model.model import Model
 from cable_model.scene import with_values
 
-pytestmark = pytest.mark.shipped
-
 
 def test_a_wave_beyond_breaking_is_told():
     """H/L = 0.142 at most [Michell 1893]: 6 s and 56.2 m allow 7.98 m."""

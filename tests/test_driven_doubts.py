@@ -8,8 +8,6 @@ from driven_support import AIR, FAR, LINE, LOW, SWAYING, TOP, inputs
 
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 
 def warned(motion, **changes):
     model = make(LINE, **changes)

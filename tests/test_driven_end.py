@@ -24,8 +24,6 @@ from driven_support import (
 
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 SCENES = {
     "drag and current": {},
     "in space": {"solver__space": True, "current__direction": 0.7},

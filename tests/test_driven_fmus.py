@@ -13,8 +13,6 @@ from cable_model import CableChain
 from cable_model.signals import INPUTS
 from fmu_src.interface import generic_scene, scene_from_values
 
-pytestmark = pytest.mark.shipped
-
 GUIDE = Path(__file__).parent.parent / "docs" / "how_to" / "both_ends.md"
 VALUES = {
     "lower_end.anchored": True, "lower_end.driven": True, "water.surface": False, "cable.length": 120.0, "solver.time_step": 0.02,

@@ -11,8 +11,6 @@ from cable_model.scene import from_dict, with_values
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 PLACE = [OUTPUTS.index(f"body.{axis}") for axis in "xyz"]
 
 

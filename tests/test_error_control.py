@@ -12,8 +12,6 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.header import HEADER, LAST_ERROR
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 LENGTH = 50.5  # m, of the level wire
 PULSE = 0.3  # s, in which the top rises by 20 mm and comes back: 0.3 times what a wave takes to go there and back
 

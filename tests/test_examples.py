@@ -19,8 +19,6 @@ from cable_model.scene import Scene, shipped, with_values
 from cable_model.signals import OUTPUTS
 from cable_model.simulation import Result
 
-pytestmark = pytest.mark.shipped
-
 NAMES = [name for name in shipped() if name.startswith("examples/")]
 IRREGULAR = {"examples/lift", "examples/umbilical"}  # numba compiles their seas for half a minute
 CALM = {  # without the sea

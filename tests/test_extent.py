@@ -11,8 +11,6 @@ from scipy.integrate import cumulative_trapezoid, solve_bvp
 from cable_model import TowCable, scene
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 LENGTH, MASS, STIFFNESS, DEPTH, SPAN = 300.0, 60.0, 5e8, 80.0, 270.0
 CHAIN = {
     "cable": {"length": LENGTH, "mass_per_length": MASS, "axial_stiffness": STIFFNESS, "diameter": 0.1},

@@ -121,7 +121,7 @@ def test_the_command_builds_it_beside_the_others_of_a_scene_where_it_is_asked_fo
 
     monkeypatch.setattr(build, "build_native", note)
     monkeypatch.setattr(command, "build", lambda model, scene, to, precompile: note(model, to))
-    monkeypatch.setattr(command, "prepare_generic", lambda: None)
+    monkeypatch.setattr(command, "prepare", lambda: None)
     app = typer.Typer()
     app.command()(command.main)
     done = CliRunner().invoke(app, [*scene, *option, "-o", str(tmp_path / "x.fmu" if scene else tmp_path)])

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from fmu_support import FMICallException, Fmu, assert_same, goes_on_from_a_state_saved_in_a_sliver, sway
-from native_support import library_run, native_run, only_where_they_run
+from native_support import BAKED, library_run, native_run, only_where_they_run
 from test_fmu_input import STEP
 
+from cable_model.entries import ABSENT, PRESENT
 from cable_model.errors import ParameterError
 from cable_model.scene import Scene, from_dict, load, shipped, with_values
 from cable_model.simulated import one_line
-from fmu_src.entries import ABSENT, PRESENT
 from fmu_src.interface import in_variables, scene_from_values, table
 from fmu_src.native import build, object_code
 from fmu_src.native.rules import Rules
@@ -42,59 +41,6 @@ def test_a_baked_scene_has_exactly_its_own_parts(tmp_path: Path):
         "Use the FMU that runs Python, or bake the scene."
     ]
     other.close()
-
-
-WATER = {"density": 1025.0, "depth": 60.0}
-BAKED: dict[str, tuple[str, dict[str, Any]]] = {
-    "chain let go in a stretched sea over a bottom, with a table of its stiffness and the audit": ("chain", {
-        "cable": {
-            "length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "stiffness_curve": [[0.0, 0.0], [0.05, 5e3], [0.2, 8e4]],
-            "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2,
-        },
-        "water": WATER, "top": {"position": [0.0, 0.0, 2.0]},
-        "waves": {
-            "spectrum": "jonswap", "significant_height": 1.0, "peak_period": 5.0, "components": 12, "surface": "wheeler",
-        },
-        "lower_end": {"anchored": True, "released": True, "x": 30.0, "z": -30.0}, "solver": {"nodes": 21, "audit": True},
-    }),
-    "chain of sections with bodies on it, moored in space on a bottom by a grid, with friction": ("chain", {
-        "cable": {
-            "section": [
-                {"length": 40.0, "mass_per_length": 8.0, "axial_stiffness": 1e6, "diameter": 0.03, "volume_per_length": 1e-3},
-                {"length": 30.0, "mass_per_length": 1.0, "axial_stiffness": 2e5, "diameter": 0.04},
-            ],
-            "normal_drag_coefficient": 1.2, "added_mass_coefficient": 1.0,
-            "body": [{"at": 55.0, "mass": 20.0, "volume": 0.04, "drag_area": 0.1, "added_mass": 15.0}],
-        },
-        "water": {}, "current": {"speed": 0.2, "direction": 0.4}, "lower_end": {"anchored": True, "x": -50.0, "z": -30.0},
-        "seabed": {
-            "grid": [[x, y, -30.0 + 0.04 * (x + 50.0) + 0.002 * y * x] for x in (-80.0, -40.0, -10.0, 30.0) for y in (-20.0, 0.0, 30.0)],
-            "stiffness": 1e5, "friction_coefficient": 0.3,
-        },
-        "solver": {"nodes": 27, "space": True},
-    }),
-    "chain in a record of waves that grows, in a current over time and by inputs": ("chain", {
-        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
-        "water": {"density": 1025.0, "current_input": True}, "body": {"mass": 50.0}, "solver": {"nodes": 21},
-        "top": {"position": [0.0, 0.0, -1.0]},
-        "current": {"table": [[0.0, 0.0, 0.5, 0.0], [0.0, -40.0, 0.1, 0.0], [1.0, 0.0, 0.9, 0.0], [1.0, -40.0, 0.2, 0.0]]},
-        "waves": {"record": [[0.5 * k, 0.6 * float(np.cos(0.4 * k)) + 0.1 * (k % 5)] for k in range(40)], "ramp_time": 0.5},
-    }),
-    "chain on the box grid": ("chain", {
-        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
-        "water": {"density": 1025.0}, "body": {"mass": 50.0}, "solver": {"nodes": 21, "grid": "box"},
-        "top": {"position": [0.0, 0.0, -1.0]},
-    }),
-    "tow in space, in a spread sea that is cut, over a bottom, and a current of a table": ("tow", {
-        "cable": {"length": 50.0, "mass_per_length": 2.0, "diameter": 0.03, "axial_stiffness": 1e5, "normal_drag_coefficient": 1.2},
-        "body": {"mass": 200.0, "volume": 0.02}, "water": WATER, "solver": {"space": True},
-        "current": {"levels": [[-60.0, 0.1, 0.0], [0.0, 0.5, 1.0]]},
-        "waves": {
-            "spectrum": "pierson-moskowitz", "significant_height": 1.0, "peak_period": 6.0, "components": 15, "surface": "cut",
-            "direction": 0.4, "spreading_exponent": 4.0,
-        },
-    }),
-}  # fmt: skip
 
 
 def same_when_baked(scene: Scene, key: str, steps: int, step: float, folder: Path) -> Fmu:

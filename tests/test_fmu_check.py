@@ -21,8 +21,6 @@ from cable_model.simulation import simulate, write_csv
 from fmu_src import trial
 from fmu_src.build import build as build_fmu
 
-pytestmark = pytest.mark.shipped
-
 CIRCLE = with_values(load("dale_sphere"), {"run.duration": 12.0})
 
 

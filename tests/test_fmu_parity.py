@@ -11,8 +11,6 @@ from native_support import FLAVOURS, gives_what_the_library_gives
 
 from cable_model.signals import INPUTS
 
-pytestmark = pytest.mark.shipped
-
 STEP = 0.1
 MOORED = {
     "lower_end.anchored": True, "lower_end.x": 60.0, "lower_end.z": -60.0, "body.mass": 0.0, "body.volume": 0.0, "body.drag_area": 0.0,

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -16,18 +13,17 @@ import numpy as np
 import pytest
 from fmu_support import FMICallException, Fmu, assert_same, sway
 
+from cable_model import precompiled
 from cable_model.effects import Parts
+from cable_model.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
 from cable_model.models import MODELS
+from cable_model.precompiled import ObjectCode
 from cable_model.scene import load
 from cable_model.simulated import parts_of
-from cable_model.simulation import read_csv, simulate
-from fmu_src import precompiled, quick_start
 from fmu_src.build import build as build_fmu
-from fmu_src.entries import ABSENT, ALWAYS, EITHER, PRESENT, serves
 from fmu_src.interface import generic_scene, scene_from_values
 from fmu_src.native import object_code
 from fmu_src.native.export import ExportError
-from fmu_src.precompiled import ObjectCode, Precompiled
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYS = {"CableChain": "chain", "TowCable": "tow"}
@@ -74,31 +70,6 @@ print(json.dumps({{"rows": rows.tolist(), "texts": texts, "loaded": loaded}}))
 
 
 # -- it is used
-
-
-def test_a_run_starts_on_what_building_fmus_left_in_the_cache(fmus: dict[str, Fmu], tmp_path: Path):
-    ready = object_code.place("chain", object_code.GENERIC["chain"])
-    kept = tmp_path / "cable_fmu" / "native" / ready.name
-    kept.parent.mkdir(parents=True)
-    shutil.copy(ready, kept)
-    text = (ROOT / "cable_model" / "scenes" / "hanging_chain.toml").read_text()
-    (tmp_path / "short.toml").write_text(re.sub(r"(?m)^duration = .*", "duration = 0.5", text))
-    command = [Path(sys.executable).parent / "cable-fmu", "run", "short.toml", "-o", "short.csv"]
-    subprocess.run(command, cwd=tmp_path, env={**os.environ, "XDG_CACHE_HOME": str(tmp_path)}, check=True, capture_output=True)
-    assert [path.name for path in (tmp_path / "cable_fmu").iterdir()] == ["native"]  # and nothing that numba compiled
-    columns, rows = read_csv(tmp_path / "short.csv")
-    own = simulate(MODELS["chain"](load(str(tmp_path / "short.toml"))))
-    assert_same(rows, np.column_stack([own[name] for name in columns]))
-
-
-def test_a_run_is_compiled_where_no_object_code_lies_ready_or_serves(fmus: dict[str, Fmu], monkeypatch: pytest.MonkeyPatch):
-    model = MODELS["tow"](generic_scene())
-    assert isinstance(quick_start.calls(model), Precompiled)
-    assert quick_start.calls(MODELS["chain"](load("hard/bungee"))) is None  # it has a table of the stiffness
-    monkeypatch.setattr(quick_start, "place", lambda model, variants: Path("nowhere.o"))
-    quick_start._code.cache_clear()
-    assert quick_start.calls(model) is None
-    quick_start._code.cache_clear()
 
 
 @pytest.mark.parametrize("values", [{}, CURRENT_AND_WAVES], ids=["as it is", "current and waves"])
@@ -204,7 +175,7 @@ import numpy as np
 from cable_model.models import MODELS
 from fmu_src.interface import generic_scene
 from fmu_src.native.object_code import GENERIC
-from fmu_src.precompiled import ObjectCode, Precompiled
+from cable_model.precompiled import ObjectCode
 code = ObjectCode(b"code", GENERIC["tow"])
 from cable_model.model import Model
 Model._just_in_time = lambda model: "numba"

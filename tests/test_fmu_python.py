@@ -27,8 +27,6 @@ from cable_model.signals import OUTPUTS
 from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene, scene_from_values
 
-pytestmark = pytest.mark.shipped
-
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = [("chain", "hanging_chain"), ("tow", "dale_sphere")]
 LONGER = [("chain", "towed_body"), ("chain", "dale_sphere"), ("chain", "free_chain"), ("tow", "towed_body")]

@@ -5,8 +5,6 @@ import pytest
 from chain_support import drive, every, make, still
 from parting_support import MAY_PART, mooring
 
-pytestmark = pytest.mark.shipped
-
 JUMPS = {
     "let go in the run": {"parting__time": 0.1},
     "let go at the start": {"lower_end__released": True},

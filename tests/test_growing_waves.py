@@ -15,8 +15,6 @@ from cable_model.sea import rows_of, table_of
 from cable_model.signals import OUTPUTS
 from cable_model.tables import waves
 
-pytestmark = pytest.mark.shipped
-
 
 def test_a_ramp_counts_from_the_start_of_the_run():
     one, later = (

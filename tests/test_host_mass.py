@@ -20,8 +20,6 @@ from cable_model.model import Model
 from cable_model.scene import Scene, from_dict, with_values
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 FORCE, MEAN, NEXT = ([OUTPUTS.index(f"top.force{kind}_{axis}") for axis in "xyz"] for kind in ("", "_mean", "_next"))
 GROWTH = OUTPUTS.index("coupling.growth")
 STEPS = (0.2, 0.1, 0.05, 0.02)

@@ -14,8 +14,6 @@ from cable_model.kernels import header
 from cable_model.scene import from_dict
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 OMEGA = 0.4 * math.pi  # 5 s, as ships heave
 TENSION = OUTPUTS.index("top.tension")
 TOP = slice(header.TOP, header.TOP + 9)

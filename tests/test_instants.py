@@ -13,8 +13,6 @@ from cable_model.scene import Scene, from_dict
 from cable_model.signals import OUTPUTS
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 MASS, LENGTH, STIFFNESS, PER_LENGTH = 500.0, 20.0, 9.5e6, 0.68
 BOUNCE = 2.0 * math.pi * math.sqrt((MASS + PER_LENGTH * LENGTH / 3.0) * LENGTH / STIFFNESS)  # of the body on its wire, in air
 FORCE = OUTPUTS.index("top.force_z")

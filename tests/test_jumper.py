@@ -10,8 +10,6 @@ from chain_support import make
 
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 JUMPER = {  # 170 m between an anchor and a top that is 5 m below the surface
     "cable": {
         "length": 170.0, "mass_per_length": 165.0, "axial_stiffness": 5e8, "diameter": 0.396, "bending_stiffness": 120.8e3,

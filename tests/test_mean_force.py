@@ -17,8 +17,6 @@ from cable_model.model import Model
 from cable_model.scene import from_dict
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.shipped
-
 SLOW = bool(numba.config.DISABLE_JIT)
 FORCE = slice(0, 3)
 MEAN = slice(OUTPUTS.index("top.force_mean_x"), OUTPUTS.index("top.force_mean_z") + 1)

@@ -24,7 +24,6 @@ from cable_model.moordyn_scene import scene_of
 from cable_model.motion import motion_of
 from cable_model.scene import from_dict, load
 
-pytestmark = pytest.mark.shipped
 DATA = Path(__file__).parent / "data" / "moordyn"
 
 

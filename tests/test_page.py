@@ -20,7 +20,6 @@ from cable_model.scene import from_dict, with_values
 from cable_model.simulation import COLUMNS, Result
 from cable_model.surroundings import MOST_PLACES
 
-pytestmark = pytest.mark.shipped
 SCENE = """
 title = "A chain </script> & a [body]"
 [cable]

@@ -18,7 +18,6 @@ from cable_model.page import write_page
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = [
-    pytest.mark.shipped,
     pytest.mark.long,
     pytest.mark.skipif(find_spec("selenium") is None, reason="selenium is not installed (pip install selenium)"),
     pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="no browser (apt-get install chromium chromium-driver)"),

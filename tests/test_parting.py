@@ -11,8 +11,6 @@ from cable_model.kernels.doubt import PARTS
 from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 
 @pytest.mark.parametrize("kind", [*KINDS, *(pytest.param(kind, marks=pytest.mark.long) for kind in SLOW_KINDS)])
 def test_let_go_in_a_run_it_falls_as_one_that_is_let_go_at_the_start(kind):

@@ -38,12 +38,8 @@ def inputs(case, steps=60):
     return rows
 
 
-# the library compiles its own kernels, for what there is and for what is left, of the first of these
-OWN = "an end that is driven let go"
-
-
 @pytest.mark.parametrize("flavour", FLAVOURS)
-@pytest.mark.parametrize("name", [OWN, *(pytest.param(name, marks=pytest.mark.shipped) for name in CASES if name != OWN)])
+@pytest.mark.parametrize("name", CASES)
 def test_every_fmu_gives_what_the_library_gives_and_restores_it(request, flavour, name):
     fmu = request.getfixturevalue(flavour)["chain"]
     values = CASES[name]
@@ -74,7 +70,6 @@ def test_every_fmu_gives_what_the_library_gives_and_restores_it(request, flavour
 
 
 @pytest.mark.parametrize("flavour", FLAVOURS)
-@pytest.mark.shipped
 @pytest.mark.parametrize("model", ["chain", "tow"])
 def test_an_input_that_is_not_asked_for_is_refused(request, flavour, model):
     fmu = request.getfixturevalue(flavour)[model]
@@ -97,7 +92,6 @@ def test_tow_cable_refuses_to_part(request, flavour):
     instance.close()
 
 
-@pytest.mark.shipped
 def test_the_guides_program_lets_its_body_go(native, monkeypatch, tmp_path):
     """What hangs then is the wire alone, which still swings."""
     monkeypatch.chdir(tmp_path)
@@ -112,7 +106,6 @@ def test_the_guides_program_lets_its_body_go(native, monkeypatch, tmp_path):
     assert abs(names["after"]) < 3.0 * wire
 
 
-@pytest.mark.shipped
 def test_inputs_beyond_the_ends_have_no_derivatives(native):
     """Those of the winch, of currents and of what lets go: said once, and nothing is written elsewhere."""
     instance = native["chain"].instance()

@@ -10,8 +10,6 @@ from cable_model import CableChain, TowCable
 from cable_model.errors import ParameterError
 from cable_model.scene import from_dict, load, with_values
 
-pytestmark = pytest.mark.shipped
-
 LENGTH, STIFFNESS, MASS, DAMPING, GRAVITY = 10.0, 1e5, 100.0, 4e5, 9.80665
 STRAIN = MASS * GRAVITY / STIFFNESS
 AMPLITUDE = 0.05  # m, of the first swing

@@ -27,7 +27,6 @@ from cable_model.signals import INPUTS, OUTPUTS
 from cable_model.simulation import COLUMNS, Result, read_csv
 from fmu_src.interface import table
 
-pytestmark = pytest.mark.shipped
 GUIDE = Path(__file__).parent.parent / "docs" / "how_to" / "results.md"
 PROFILES = ("x", "y", "z", "tension", "curvature")
 SCENE = """

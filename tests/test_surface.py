@@ -15,8 +15,6 @@ from cable_model.signals import OUTPUTS
 from cable_model.simulation import simulate
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 DATA = Path(__file__).parent / "data"
 R, SPLIT = 0.3, 0.42
 CELLS = [(-2.0, -1.0), (-1.0, 0.4), (-0.29, 0.2), (0.2, -0.29), (-0.2, 0.1), (0.05, 1.0), (0.5, 1.0), (0.01, 0.012), (-0.3, -0.2999)]

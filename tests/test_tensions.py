@@ -18,8 +18,6 @@ from fmu_src.interface import generic_scene
 
 SURGE = {"kind": "sinusoid", "axis": "x", "amplitude": 1.0, "angular_frequency": 2.0, "ramp_time": 2.0}
 
-pytestmark = pytest.mark.shipped
-
 
 def test_a_hanging_cable_carries_at_each_node_what_hangs_below_it():
     for nodes, grading, grid in ((51, 1.0, "staggered"), (26, 0.0, "staggered"), (26, 0.0, "box")):

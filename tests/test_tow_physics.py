@@ -10,8 +10,6 @@ from cable_model.errors import SolverError
 from cable_model.kernels import header, tow_step, tow_water
 from cable_model.kernels import tow as kernels
 
-pytestmark = pytest.mark.shipped
-
 VARIANTS = {
     "all": ({}, WET._replace(waves=WAVES)),
     "disk": ({"tow.body_angle": -0.6}, WET),

@@ -13,8 +13,6 @@ from cable_model.kernels import tow_space
 from cable_model.scene import with_values
 from cable_model.sea import rows_of
 
-pytestmark = pytest.mark.shipped
-
 SPACE = WET._replace(space=True)
 VARIANTS = {
     "all": ({}, SPACE._replace(waves=turned_sea(WAVES, 0.7))),

@@ -13,8 +13,6 @@ from cable_model.kernels import tow as kernels
 from cable_model.kernels.path import COLUMNS, ROWS
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 CALM = WET._replace(current=np.array([[0.0, 1.5, 0.0]]))  # no velocity of the water past cable or body changes its sign
 GRAVITY = NUMBERS["environment.gravity"]
 SOFT = {"cable__axial_stiffness": 5e3, "tow__reference_tension": 0.0}

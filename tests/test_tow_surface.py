@@ -21,8 +21,6 @@ from cable_model.scene import from_dict, load, with_values
 from cable_model.simulated import numbers_of
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped  # but for what asks kernels of many sets of parts for a few numbers
-
 DATA = Path(__file__).parent / "data"
 G, RHO = NUMBERS["environment.gravity"], NUMBERS["water.density"]
 FLAT = WET._replace(surface=True)

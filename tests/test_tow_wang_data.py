@@ -10,8 +10,6 @@ from tow_reference import SLOW
 from cable_model.effects import Parts
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 FOLDER = Path(__file__).parent / "data" / "wang"
 CASES = ("case1_large_swing", "case3_disk_current", "case5_ramp_stiff")
 

@@ -7,8 +7,6 @@ from changing_water_support import BOTH, BY_INPUT, DEEP, LINE, stream
 from cable_model import CableChain, simulate
 from cable_model.errors import ParameterError, SolverError
 
-pytestmark = pytest.mark.shipped
-
 
 @BOTH
 def test_a_current_that_nothing_asks_for_is_refused(model):

@@ -15,8 +15,6 @@ from cable_model.sea import components, table_of, wave_number
 from cable_model.simulated import parts_of
 from cable_model.tow_cable import TowCable
 
-pytestmark = pytest.mark.shipped
-
 G = 9.81
 KINDS = {"held": {}, "wheeler": {"stretched": True}, "cut": {"cut": True}}
 

@@ -26,6 +26,7 @@ from cable_model.kernels.vector import (
     scale,
     scale_matrix,
     upward,
+    zero,
 )
 
 Z, Z_X, Z_Y, Z_XY = 2, 3, 4, 5  # columns of the table after x and y: height and slopes; its first row has the number of places along y
@@ -159,7 +160,7 @@ class Turning(NamedTuple):
 
 @kernel
 def _never(relief, place, n):
-    return None
+    return Turning(diagonal(0.0, n), zero(n))
 
 
 @kernel
@@ -174,16 +175,16 @@ def _as_shaped(relief, place, n):
     return Turning(multiply(across, turned), (-c * c * (bx * bxx + by * bxy), -c * c * (bx * bxy + by * byy), 0.0))
 
 
-turning = by_presence(_never, _as_shaped)  # Turning of the bottom under a place with the normal n; None of a plane
+turning = by_presence(_never, _as_shaped)  # Turning of the bottom under a place with the normal n
 
 
 @kernel
-def _plane_approach(turns, gains, lag, n, height, v):
+def _plane_approach(relief, turns, gains, lag, n, height, v):
     return scale(gains.r + lag * gains.v, n)
 
 
 @kernel
-def _curved_approach(turns, gains, lag, n, height, v):
+def _curved_approach(relief, turns, gains, lag, n, height, v):
     ahead = axpy(height, turns.upward, n)
     return axpy(lag * gains.v, n, scale(gains.r, axpy(lag, apply_transposed(turns.normal, v), ahead)))
 
@@ -192,12 +193,12 @@ by_approach = by_presence(_plane_approach, _curved_approach)  # derivative of ga
 
 
 @kernel
-def _stays(turns, size, matrix):
+def _stays(relief, turns, size, matrix):
     return matrix
 
 
 @kernel
-def _with_turn(turns, size, matrix):
+def _with_turn(relief, turns, size, matrix):
     return add_matrix(matrix, scale_matrix(size, turns.normal))
 
 
@@ -205,12 +206,12 @@ add_turn = by_presence(_stays, _with_turn)  # a matrix, and `size` times the der
 
 
 @kernel
-def _no_tilt(turns, size, across, n, w, matrix):
+def _no_tilt(relief, turns, size, across, n, w, matrix):
     return matrix
 
 
 @kernel
-def _with_tilt(turns, size, across, n, w, matrix):
+def _with_tilt(relief, turns, size, across, n, w, matrix):
     by_place = add_matrix(scale_matrix(dot(n, w), turns.normal), outer(n, apply_transposed(turns.normal, w)))
     return add_matrix(matrix, scale_matrix(-size, multiply(across, by_place)))
 

@@ -90,7 +90,7 @@ def _friction(friction, ground, gains, length, up, turns, position, v, force, co
     limit = ground.friction * force
     size = norm(pull)
     if size <= limit:
-        return zero(v), pull, add_tilt(turns, turned, diagonal(1.0, v), up, whole, scale_matrix(by, level))
+        return zero(v), pull, add_tilt(ground.relief, turns, turned, diagonal(1.0, v), up, whole, scale_matrix(by, level))
     t = scale(1.0 / size, pull)
     if dot(before, t) < 0.0:
         # it pulled the other way at the iteration before: the derivative there and here, next to 0, would let it go to and fro
@@ -104,7 +104,7 @@ def _friction(friction, ground, gains, length, up, turns, position, v, force, co
     else:
         slid = scale_matrix(-1.0, outer(t, t))
         firm, across = add_matrix(level, slid), add_matrix(across, slid)
-    by_velocity = add_tilt(turns, turned * limit / size, across, up, whole, scale_matrix(by * limit / size, firm))
+    by_velocity = add_tilt(ground.relief, turns, turned * limit / size, across, up, whole, scale_matrix(by * limit / size, firm))
     return scale(ground.friction, t), zero(v), by_velocity
 
 

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from cable_model.kernels.choice import without
+from cable_model.kernels.choice import by_presence, without
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.line_bodies import sizes_of_bodies
 from cable_model.kernels.sections import sizes_of_weights
@@ -182,12 +182,17 @@ def body_mass(body):
 
 
 @kernel
-def _cable_weight(sections, parts, p):
-    """Sum of the sizes of the weights of all of the cable, N."""
+def _as_one(sections, parts, p):
     cable = cable_part(parts.water, p)
-    if sections is None:
-        return abs(cable.weight) * cable.length
-    return sizes_of_weights(sections, density_of(parts.water, p), cable.gravity)
+    return abs(cable.weight) * cable.length
+
+
+@kernel
+def _in_pieces(sections, parts, p):
+    return sizes_of_weights(sections, density_of(parts.water, p), p[0].environment.gravity)
+
+
+_cable_weight = by_presence(_as_one, _in_pieces)  # sum of the sizes of the weights of all of the cable, N
 
 
 @kernel

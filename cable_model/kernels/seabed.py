@@ -73,7 +73,7 @@ def _of_both_cells(sections, ground, mesh, i):
     length = ground.body_length / heavy if i == 0 else abs(weight_on(ground.bodies, mesh, i, ground.density, gravity)) / own
     return Ground(
         ground.level, ground.stiffness * wide, ground.lag * (massive / wide) ** 0.5, ground.least_lag, ground.friction, ground.grip * heavy,
-        ground.drag * heavy, ground.laid, length, max(p[0].solver.slack_smoothing * own, ground.spread), sections, ground.weight,
+        ground.drag * heavy, ground.laid, length, max(p[0].solver.slack_smoothing * own, ground.spread), ground.sections, ground.weight,
         ground.density, p, ground.bodies, ground.spread, ground.slope, ground.normal,
         ground.relief,
     )  # fmt: skip
@@ -173,7 +173,7 @@ def _to_plane(relief, ground, now, position, v, contact, i):
     above, up = over_bottom(relief, ground, position)
     height = contact[i, HEIGHT] + now * (above - contact[i, HEIGHT])
     speed = contact[i, SPEED] + now * (dot(v, up) - contact[i, SPEED])
-    return height, speed, v, up, None
+    return height, speed, v, up, turning(relief, position, up)
 
 
 @kernel
@@ -208,14 +208,14 @@ def _load(present, friction, whole, gains, mesh, i, position, v, contact):
     force = iterate(present, w0, f, contact[i, FORCE])
     slope, misfit = constitutive(present, w0, f, force)
     change = gains.law * slope * misfit
-    by_motion = scale(-gains.law * slope * stiffness * now, by_approach(turns, gains, lag, up, height, v_new))
+    by_motion = scale(-gains.law * slope * stiffness * now, by_approach(ground.relief, turns, gains, lag, up, height, v_new))
     contact[i, FORCE] = force
     contact[i, CHANGE] = change
     store_from(contact, i, BY_VELOCITY, by_motion)
     share, held, by_velocity = sliders.friction_of(friction, ground, gains, length, up, turns, position, v, force, contact, i)
     along = sub(share, up)  # of the seabed's force, per N and negative
     residual = axpy(force + change, along, held)
-    jacobian = add_turn(turns, -force * now * gains.r, outer(along, by_motion))
+    jacobian = add_turn(ground.relief, turns, -force * now * gains.r, outer(along, by_motion))
     return residual, add_matrix(jacobian, by_velocity)
 
 

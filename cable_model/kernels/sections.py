@@ -1,8 +1,7 @@
 """What a cable is made of along its length: the same everywhere, or by sections.
 
 parts.sections is a table, a row a section from the lower end up: its length, then what Made has.  A mesh then has a third column, SECTION:
-the row of the section that a cell belongs to; nodes lie on all joints.  The record of a cable's numbers has the names of Made too, and what
-is made alike everywhere is that record: a cable without sections costs nothing more.
+the row of the section that a cell belongs to; nodes lie on all joints.
 """
 
 from typing import NamedTuple
@@ -25,7 +24,7 @@ class Made(NamedTuple):
     normal_drag_coefficient: float
     tangential_drag_coefficient: float
     added_mass_coefficient: float
-    volume_per_length: float  # never "that of the diameter" here
+    volume_per_length: float  # of a section never "that of the diameter"
     breaking_tension: float
 
 
@@ -40,7 +39,11 @@ def row_of(sections, k):
 
 @kernel
 def _alike(sections, p, mesh, i):
-    return p[0].cable
+    c = p[0].cable
+    return Made(
+        c.diameter, c.mass_per_length, c.axial_stiffness, c.bending_stiffness, c.axial_damping, c.normal_drag_coefficient,
+        c.tangential_drag_coefficient, c.added_mass_coefficient, c.volume_per_length, c.breaking_tension,
+    )  # fmt: skip
 
 
 @kernel

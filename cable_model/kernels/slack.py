@@ -14,6 +14,7 @@ steps foretell: of second order in the step, and a number within it, so that C >
 fall within a strain of FADED W/EA, where C e' is much more than W in a stiff cable: Newton's method had to find its way in that fall.
 """
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
 
 HELD = 2.0  # T_c over EI/h^2: half of what buckles the mesh from cell to cell, so that no shape that the mesh resolves reaches the floor
@@ -58,10 +59,13 @@ def limited(parts, numeric, h, tension):
 
 
 @kernel
-def elastic(curve, stiffness, strain):
-    """Tension of the elastic law, and its slope: linear, or cubic between the rows of a table and straight on beyond them."""
-    if curve is None:
-        return stiffness * strain, stiffness
+def _linear(curve, stiffness, strain):
+    return stiffness * strain, stiffness
+
+
+@kernel
+def _by_table(curve, stiffness, strain):
+    """Cubic between the rows, and straight on beyond them."""
     last = curve.shape[0] - 1
     if strain <= curve[0, 0]:
         return curve[0, 1] + curve[0, 2] * (strain - curve[0, 0]), curve[0, 2]
@@ -77,6 +81,9 @@ def elastic(curve, stiffness, strain):
     c2 = 3.0 * rise - 2.0 * c1 - curve[i, 2] * width
     c3 = c1 + curve[i, 2] * width - 2.0 * rise
     return curve[i - 1, 1] + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
+
+
+elastic = by_presence(_linear, _by_table)  # tension of the elastic law, and its slope
 
 
 @kernel

@@ -103,10 +103,12 @@ def _strain_energy(parts, problem, mesh, i, strain):
 
 
 @kernel
-def _above_linear(curve, parts, stiffness, strain):
-    """A stiffness, and the energy of a table of the stiffness beyond that of the linear law of it, J/m."""
-    if curve is None:
-        return stiffness, 0.0
+def _none_above(curve, parts, stiffness, strain):
+    return stiffness, 0.0
+
+
+@kernel
+def _by_table(curve, parts, stiffness, strain):
     secant = curve[1, 1] / curve[1, 0]
     if strain <= 0.0:
         return secant, 0.5 * (curve[0, 2] - secant) * strain * strain if parts.slack is None else 0.0
@@ -124,6 +126,9 @@ def _above_linear(curve, parts, stiffness, strain):
     last = curve.shape[0] - 1
     rest = max(strain - curve[last, 0], 0.0)
     return secant, energy + rest * (curve[last, 1] + 0.5 * curve[last, 2] * rest)
+
+
+_above_linear = by_presence(_none_above, _by_table)  # a stiffness, and the energy of a table beyond that of the linear law of it, J/m
 
 
 @kernel

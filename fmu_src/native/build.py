@@ -14,12 +14,12 @@ from typing import NamedTuple
 from xml.etree.ElementTree import Element, indent, tostring
 
 from cable_model import __version__
+from cable_model.entries import Variant
 from cable_model.models import MODELS
 from cable_model.scene import Scene
 from fmu_src import fmi3
 from fmu_src.documentation import build as documentation
 from fmu_src.documentation import licences
-from fmu_src.entries import Variant
 from fmu_src.interface import Variable, generic_scene, table
 from fmu_src.model_description import model_description, osp_description
 from fmu_src.native import link

@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from fmu_src.entries import (
+from cable_model.entries import (
     ABSENT,
     ADVANCE,
     COLUMNS,
@@ -67,51 +67,56 @@ class ExportError(RuntimeError):
 
 
 def _parts(variant: Variant) -> Any:
-    """A jitted function of (present, whole, *tables) that makes the parts of a variant; `whole` 0: of a cable that has parted."""
+    """A jitted function of (present, whole, held, *tables) that makes the parts of a variant.
+
+    `whole` 0: of a cable that has parted; `held` 1: while its lower end is not let go.
+    """
     from numba import njit
 
     from cable_model.effects import GOING, Parts
 
     @njit
-    def either(value):
-        if value != 0.0:
-            return True
+    def either(asked, part):
+        if asked != 0.0:
+            return part
         return None
 
     made = []
     for k, name in enumerate(Parts._fields):
-        if variant[name] == ABSENT:
-            made.append("None")
-        elif name in TABLES:
-            made.append(name)
-        else:
-            stays = " * whole" if name in GOING else ""
-            made.append(f"either(present[{k}]{stays})" if variant[name] == EITHER else "True")
+        part = name if name in TABLES else "True"
+        there = f"present[{k}]{' * whole' if name in GOING else ''}{' + held' if name == 'anchor' else ''}"
+        made.append({ABSENT: "None", EITHER: f"either({there}, {part})"}.get(variant[name], part))
     # numba wants the members of a named tuple spelled out
-    return njit(eval(f"lambda present, whole, {', '.join(TABLES)}: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
+    return njit(eval(f"lambda present, whole, held, {', '.join(TABLES)}: Parts({', '.join(made)})", {"Parts": Parts, "either": either}))
 
 
-def _start(kernels: Any, released: bool) -> Any:
-    """A jitted function of (parts, held, numbers, time, state, work) that finds the start: with the parts `held` where they are let go."""
+def _start(kernels: Any, released: int) -> Any:
+    """A jitted function of (parts, held, let_go, numbers, time, state, work) that finds the start: `held` are the parts until it is let go.
+
+    `released`: whether it is let go, ABSENT, PRESENT or, by the number `let_go`, EITHER.
+    """
     from cable_model.kernels import header
     from fmu_src.native import presence
 
-    if not released:
-        initialize = kernels.initialize
+    initialize, settle, release, ok = kernels.initialize, getattr(kernels, "settle", None), getattr(kernels, "release", None), header.OK
 
-        def start(parts, held, numbers, time, state, work):
-            return initialize(parts, numbers, time, state, work)
+    def start(parts, held, let_go, numbers, time, state, work):
+        return initialize(parts, numbers, time, state, work)
 
-        return presence.kernel(start)
-    settle, release, ok = kernels.settle, kernels.release, header.OK
-
-    def let_go(parts, held, numbers, time, state, work):
+    def drop(parts, held, let_go, numbers, time, state, work):
         status = settle(held, numbers, time, state, work)
         if status == ok:
             status = release(parts, numbers, time, state, work)
         return status
 
-    return presence.kernel(let_go)
+    def either(parts, held, let_go, numbers, time, state, work):
+        if let_go != 0.0:
+            return drop(parts, held, let_go, numbers, time, state, work)
+        return initialize(parts, numbers, time, state, work)
+
+    if released == EITHER:
+        drop = presence.kernel(drop)
+    return presence.kernel({ABSENT: start, PRESENT: drop, EITHER: either}[released])
 
 
 def _entry(kernels: Any, variant: Variant) -> Any:
@@ -130,8 +135,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
     from cable_model.signals import INPUTS
     from cable_model.signals import OUTPUTS as NAMES
 
-    released = bool(variant.get(RELEASED, ABSENT))
-    parts_now, held_then, start = _parts(variant), _parts({**variant, "anchor": PRESENT}), _start(kernels, released)
+    released = variant.get(RELEASED, ABSENT)
+    held_variant = variant if released == EITHER else {**variant, "anchor": PRESENT}  # of the same types, which are compiled once
+    parts_now, held_then, start = _parts(variant), _parts(held_variant), _start(kernels, released)
     advance, write_outputs = kernels.advance, kernels.outputs
     state_size, work_size, points = kernels.state_size, kernels.work_size, kernels.points
     ok, again, parting = header.OK, host_trials.AGAIN, header.PARTING
@@ -161,7 +167,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
         whole = 1.0
         if what != SIZES and what != START and not is_whole(state):
             whole = 0.0
-        parts = parts_now(present, whole, current, over_time, waves, laws, bed, sections, on_line)
+        parts = parts_now(present, whole, 0.0, current, over_time, waves, laws, bed, sections, on_line)
         outputs = carray(out, (n_outputs,))
         if what == SIZES:
             outputs[0] = state_size(parts, numbers)
@@ -196,8 +202,9 @@ def _entry(kernels: Any, variant: Variant) -> Any:
             begins = room[host.TIME] if tries else time
             status = ok
             if what == START:
-                held = held_then(present, 1.0, current, over_time, waves, laws, bed, sections, on_line)
-                status = start(parts, held, numbers, time, state, work[WORK:])
+                let_go = on[n_parts] if released == EITHER else 0.0
+                held = held_then(present, 1.0, let_go, current, over_time, waves, laws, bed, sections, on_line)
+                status = start(parts, held, let_go, numbers, time, state, work[WORK:])
                 watch.watch_start(state, inputs)
             elif steps:
                 outputs[0] = fastest_end(path, step)
@@ -206,7 +213,7 @@ def _entry(kernels: Any, variant: Variant) -> Any:
                     status = parting
                 while status == parting:
                     whole = 1.0 if is_whole(state) else 0.0
-                    parts = parts_now(present, whole, current, over_time, waves, laws, bed, sections, on_line)
+                    parts = parts_now(present, whole, 0.0, current, over_time, waves, laws, bed, sections, on_line)
                     status = advance(parts, numbers, begins, step, path, state, work[WORK:])
             if status == ok:
                 write_outputs(parts, numbers, state, work[WORK:], outputs)
@@ -280,27 +287,27 @@ def _machine(target: Target) -> Any:
     return known.create_target_machine(cpu=target.processor, features="", opt=3, reloc="pic", codemodel="default")
 
 
-def _optimized(bitcode: bytes) -> bytes:
-    """Bitcode of a module, optimized."""
+def _optimized(bitcode: bytes, target: Target) -> bytes:
+    """Bitcode of a module, optimized for a platform's processor."""
     import llvmlite.binding as llvm
 
     module = llvm.parse_bitcode(bitcode)
     tuning = llvm.create_pipeline_tuning_options(speed_level=3)
     tuning.loop_vectorization, tuning.slp_vectorization, tuning.loop_unrolling = True, False, False
-    builder = llvm.create_pass_builder(_machine(LINUX), tuning)
+    builder = llvm.create_pass_builder(_machine(target), tuning)
     builder.getModulePassManager().run(module, builder)
     made: bytes = module.as_bitcode()
     return made
 
 
-def _linked(modules: Sequence[bytes]) -> bytes:
+def _linked(modules: Sequence[bytes], target: Target) -> bytes:
     """Bitcode of one module with the entries of the modules; what they have in common is there once."""
     import llvmlite.binding as llvm
 
     module = llvm.parse_assembly("")
     for bitcode in modules:
         module.link_in(llvm.parse_bitcode(bitcode))
-    builder = llvm.create_pass_builder(_machine(LINUX), llvm.create_pipeline_tuning_options(speed_level=3))
+    builder = llvm.create_pass_builder(_machine(target), llvm.create_pipeline_tuning_options(speed_level=3))
     passes = llvm.create_new_module_pass_manager()
     passes.add_merge_functions_pass()
     passes.run(module, builder)
@@ -325,16 +332,16 @@ def object_file(bitcode: bytes, target: Target) -> bytes:
     return made
 
 
-def export(model: str, variants: Sequence[Variant]) -> bytes:
+def export(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
     """LLVM's bitcode of the entries kernel_0, kernel_1, ... of a model's variants, each compiled in a process of its own.
 
     Raises ExportError with a process's last words where it fails, finds other kernels than this process, or takes longer than LONGEST.
     """
     from cable_model.kernels.jit import source_hash
 
-    kernels = source_hash()
-    requests = [{"model": model, "variant": dict(variant), "name": f"kernel_{k}", "kernels": kernels} for k, variant in enumerate(variants)]
-    return _linked(list(_PROCESSES.map(_bitcode, requests)))
+    common = {"model": model, "kernels": source_hash(), "processor": target.processor}
+    requests = [{**common, "variant": dict(variant), "name": f"kernel_{k}"} for k, variant in enumerate(variants)]
+    return _linked(list(_PROCESSES.map(_bitcode, requests)), target)
 
 
 def _bitcode(request: Mapping[str, Any]) -> bytes:
@@ -365,7 +372,8 @@ def main() -> None:
         raise SystemExit("the kernels' sources have changed since the process that asks was started. Start it again.")
     kernels = MODELS[request["model"]].kernels()
     symbol, module = _compile(_entry(kernels, request["variant"]))
-    sys.stdout.buffer.write(_optimized(_alone(symbol, module, request["name"])))
+    target = LINUX._replace(processor=request["processor"])
+    sys.stdout.buffer.write(_optimized(_alone(symbol, module, request["name"]), target))
 
 
 if __name__ == "__main__":

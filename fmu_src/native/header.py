@@ -11,10 +11,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from cable_model import entries
 from cable_model.calls import TOO_FAST, Calls
 from cable_model.condition import CHANGED, Literal
 from cable_model.doubts import SEEN
 from cable_model.effects import PARAMETERS, Parts
+from cable_model.entries import TABLES, Variant
 from cable_model.errors import ParameterError, SolverError
 from cable_model.kernels import header
 from cable_model.model import Model
@@ -23,8 +25,6 @@ from cable_model.parameters import field_of
 from cable_model.scene import Scene
 from cable_model.signals import INPUTS, OUTPUTS, SHAPE
 from cable_model.simulated import parts_of
-from fmu_src import entries
-from fmu_src.entries import TABLES, Variant
 from fmu_src.interface import CPU_TIME, EFFECTS, Variable, in_variables
 from fmu_src.model_description import LOG_CATEGORIES
 from fmu_src.native.export import ENTRY

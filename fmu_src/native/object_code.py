@@ -3,38 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
+import itertools
 import platform
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from cable_model.effects import BY_NAME, CHAIN, GOING, TOW, variant
+from cable_model import ready
+from cable_model.effects import BY_NAME, GOING
+from cable_model.entries import ABSENT, EITHER, PRESENT, RELEASED, Variant
+from cable_model.ready import GENERIC
 from cable_model.scene import Scene
 from cable_model.simulated import is_on, parts_of
-from fmu_src.entries import ABSENT, EITHER, KINDS, PRESENT, RELEASED, Variant
 from fmu_src.native.export import export, object_file
-from fmu_src.native.targets import LINUX, Target
-
-HERE = Path(__file__).resolve().parent
-_ROOT = HERE.parents[1]
-# beside the kernels, what the export reads
-_MADE_BY = (
-    "fmu_src/entries.py",
-    "fmu_src/native/export.py",
-    "fmu_src/native/presence.py",
-    "fmu_src/native/reshape.py",
-    "cable_model/calls.py",
-    "cable_model/effects.py",
-    "cable_model/signals.py",
-)
-
-# of FMUs without a baked scene, whose parameters switch parts on and off: in the plane, and in space
-GENERIC: dict[str, tuple[Variant, ...]] = {
-    model: tuple({part: KINDS[kind] for part, kind in variant(model, space).items()} for space in (False, True)) for model in (CHAIN, TOW)
-}
+from fmu_src.native.targets import LIBRARY, LINUX, Target
 
 
 def can_export() -> bool:
@@ -42,11 +25,10 @@ def can_export() -> bool:
     return sys.platform == "linux" and platform.machine() == "x86_64"
 
 
-def prepare_generic() -> None:
-    """Compile what the generic FMUs of all models ship side by side; what fails here fails again, and is told, where it is asked for."""
-    with ThreadPoolExecutor(len(GENERIC)) as pool:
-        for model, variants in GENERIC.items():
-            pool.submit(object_code, model, variants)
+def prepare(variants: Mapping[str, Sequence[Variant]] = GENERIC, target: Target = LINUX) -> None:
+    """Compile variants of all models side by side.  Raises ExportError where one fails."""
+    with ThreadPoolExecutor(len(variants)) as pool:
+        list(pool.map(object_code, variants, variants.values(), itertools.repeat(target)))
 
 
 def variants_of(model: str, scene: Scene | None) -> tuple[Variant, ...]:
@@ -69,26 +51,6 @@ def _alone(lock: Path) -> Iterator[None]:
         yield
 
 
-def _folder_and_key(model: str, variants: Sequence[Variant]) -> tuple[Path, str]:
-    """The user's cache, and a name for the code of these variants by the content of all that makes it, for all platforms."""
-    import llvmlite
-    import numba
-    import platformdirs
-
-    from cable_model.kernels.jit import source_hash
-
-    made_from = [source_hash(), numba.__version__, llvmlite.__version__, model, json.dumps(list(variants)), LINUX.triple, LINUX.processor]
-    made_from += [(_ROOT / path).read_text(encoding="utf-8") for path in _MADE_BY]
-    key = hashlib.sha256("\0".join(made_from).encode()).hexdigest()[:24]
-    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native", key
-
-
-def place(model: str, variants: Sequence[Variant], target: Target = LINUX) -> Path:
-    """Where the object code of these variants for a platform is kept, in the user's cache."""
-    folder, key = _folder_and_key(model, variants)
-    return folder / f"{key}-{target.triple}-{target.processor}.o"
-
-
 def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
     """What a file of the cache holds, made first where it is not there."""
     if path.is_file():
@@ -105,15 +67,25 @@ def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
         return make()  # a cache that cannot be written is none
 
 
-def bitcode(model: str, variants: Sequence[Variant]) -> bytes:
-    """Entries kernel_0, kernel_1, ... of the variants as LLVM's bitcode, for all platforms, kept in the user's cache.
+def _tuned(target: Target) -> Target:
+    """For whose processor the bitcode of a platform is optimized."""
+    return target if target == LIBRARY else LINUX
+
+
+def bitcode(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
+    """Entries kernel_0, kernel_1, ... of the variants as LLVM's bitcode, one for all platforms of FMUs, kept in the user's cache.
 
     Raises ExportError where the export fails.
     """
-    folder, key = _folder_and_key(model, variants)
-    return _kept(folder / f"{key}.bc", lambda: export(model, variants))
+    tuned = _tuned(target)
+    return _kept(ready.kept(model, variants, tuned.processor, ".bc"), lambda: export(model, variants, tuned))
 
 
 def object_code(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
-    """The same as an object file for a platform, kept likewise."""
-    return _kept(place(model, variants, target), lambda: object_file(bitcode(model, variants), target))
+    """The same as an object file for a platform, kept likewise; or the one that lies ready in the package."""
+    tuned = _tuned(target)
+    shipped = ready.shipped(model, variants, tuned.processor)
+    if target == tuned and shipped.is_file():
+        return shipped.read_bytes()
+    path = ready.kept(model, variants, tuned.processor, f"-{target.triple}.o")
+    return _kept(path, lambda: object_file(bitcode(model, variants, target), target))

@@ -1,7 +1,8 @@
 """Parts that are present or absent when the FMU initializes, not when it is compiled; it serves the export only.
 
-A part of numba's type Optional(bool) answers `part is None` at run time, with the arithmetic of the kernel that is chosen: results are
-bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice `by_presence`.
+A part of numba's type Optional(bool) or Optional(array) answers `part is None` at run time, with the arithmetic of the kernel that is
+chosen: results are bit-identical.  Import this before any kernel: it takes the place of the decorator `kernel` and of the choice
+`by_presence`.
 """
 
 import functools
@@ -12,7 +13,7 @@ from numba.core import codegen
 from numba.core.imputils import impl_ret_borrowed
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AbstractTemplate, infer, signature
-from numba.extending import lower_builtin, overload
+from numba.extending import intrinsic, lower_builtin, overload
 
 from cable_model.kernels import jit
 
@@ -20,6 +21,17 @@ from cable_model.kernels import jit
 def kernel(function, fastmath=False, forceinline=False):
     """Compile `function` for other kernels only, without a cache: no code for another machine can get into the export."""
     return njit(**jit.inner_options(), fastmath=fastmath, forceinline=forceinline)(function)
+
+
+@intrinsic
+def there(typing_context, part):
+    """What an optional value is, where it is known to be one."""
+
+    def code(context, builder, signature, arguments):
+        holder = context.make_helper(builder, signature.args[0], value=arguments[0])
+        return impl_ret_borrowed(context, builder, signature.return_type, holder.data)
+
+    return part.type(part), code
 
 
 def by_presence(absent, present):
@@ -33,10 +45,15 @@ def by_presence(absent, present):
             return absent(None, *args)
         return present(True, *args)
 
+    def by_table(part, *args):
+        if part is None:
+            return absent(None, *args)
+        return present(there(part), *args)
+
     @overload(choose, strict=False, jit_options=jit.inner_options())
     def _compiled(part, *args):
         if isinstance(part, types.Optional):
-            return either
+            return by_table if isinstance(part.type, types.Array) else either
         chosen = absent if isinstance(part, types.NoneType) or part is None else present
         return getattr(chosen, "py_func", chosen)
 

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from cable_model.ready import OLDEST, RECENT
+
 
 class Target(NamedTuple):
     """A platform, or one of the two processors of macOS."""
@@ -16,7 +18,7 @@ class Target(NamedTuple):
 
 
 _ELF = ("-fPIC", "-Wl,-Bsymbolic", "-Wl,--build-id=none", "-Wl,-z,noexecstack")
-LINUX = Target("linux64", "x86_64-linux", ".so", "x86_64-unknown-linux-gnu", "x86-64", "x86_64-linux-gnu.2.17", _ELF)
+LINUX = Target("linux64", "x86_64-linux", ".so", "x86_64-unknown-linux-gnu", OLDEST, "x86_64-linux-gnu.2.17", _ELF)
 TARGETS = (
     LINUX,
     Target("win64", "x86_64-windows", ".dll", "x86_64-w64-windows-gnu", "x86-64", "x86_64-windows-gnu"),
@@ -24,3 +26,4 @@ TARGETS = (
     Target("darwin64", "aarch64-darwin", ".dylib", "arm64-apple-macosx11.0.0", "apple-m1", "aarch64-macos.11.0-none"),
     Target("aarch64-linux", "aarch64-linux", ".so", "aarch64-unknown-linux-gnu", "generic", "aarch64-linux-gnu.2.17", _ELF),
 )
+LIBRARY = LINUX._replace(processor=RECENT)  # no FMU: what the library runs

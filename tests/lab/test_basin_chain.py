@@ -11,8 +11,6 @@ from cable_model.motion import PrescribedMotion
 from cable_model.parameters import Motion, Top
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.shipped
-
 MEASURED = maxima()  # [Bergdahl et al. 2016, table 8]
 CENTRE = (32.554, 0.0, 0.3)
 CYCLES, LAST = 12, 6

@@ -11,8 +11,6 @@ from cable_model.errors import ParameterError
 from cable_model.lab.cli import app
 from cable_model.lab.published import catalogue, forced_chain, free_release, modes, page, penetration, spectral_radius, tolerance
 
-pytestmark = pytest.mark.shipped
-
 
 def test_radii_of_lambda_minus_a_half_are_those_of_its_quadratic_and_the_derived_figures():
     found = spectral_radius.radius("generalized-alpha", -0.5, np.array(spectral_radius.CHECKED))

@@ -1,13 +1,10 @@
 """The record of a hard case closes where a cable and its body go in and out of the water."""
 
 import numpy as np
-import pytest
 from test_surface import HEAVED
 
 from cable_model.lab.hard.record import record
 from cable_model.scene import with_values
-
-pytestmark = pytest.mark.shipped
 
 
 def test_the_ledger_of_a_body_and_cable_that_go_in_and_out_closes_as_steps_get_shorter():

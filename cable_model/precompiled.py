@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 
 from cable_model.calls import Calls
+from cable_model.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, TABLES, WORK, Variant, serves
 from cable_model.errors import SolverError
 from cable_model.kernels import header
 from cable_model.model import Model
 from cable_model.signals import INPUTS
 from cable_model.signals import OUTPUTS as SIGNALS
-from fmu_src.entries import ADVANCE, END, EXTERNAL, NODES, OUTPUTS, SHAPE, SIZES, START, STEP, TABLES, WORK, Variant, serves
 
 _KINDS: dict[str, Any] = {"i": ctypes.c_int64, "d": ctypes.c_double, "p": ctypes.c_void_p}
 _KINDS_OF_ENTRY = "ppiddippp" + "pi" * len(TABLES) + "pipip"
@@ -113,7 +113,8 @@ class Precompiled:
         parts = model.parts
         tables = [_NO_ROWS[name] if getattr(parts, name) is None else getattr(parts, name) for name in TABLES]
         self._inputs, self._new, self._status = np.zeros(len(INPUTS)), np.zeros(len(SIGNALS)), np.zeros(2, dtype=np.int64)
-        present = np.array([float(part is not None) for part in parts])
+        released = getattr(model, "scene", None) is not None and model.scene.lower_end.released
+        present = np.array([*(float(part is not None) for part in parts), float(released)])
         self._held = (model.numbers, present, tables, engine)  # only their addresses are passed
         counts = [table.shape[name == "waves"] for name, table in zip(TABLES, tables, strict=True)]
         rows = [given for table, count in zip(tables, counts, strict=True) for given in (_at(table), count)]

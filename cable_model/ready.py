@@ -1,0 +1,126 @@
+"""Kernels that lie ready: object code that serves every scene, so that a run starts at once.
+
+A wheel ships it, and `cable-fmu prepare` puts it into the user's cache; else what building FMUs left there serves most scenes.  It is as
+fast as what numba compiles for exactly the effects of a scene, to a tenth, and computes the same, to rounding.  Where none lies ready, or
+serves a scene, numba compiles, which takes a quarter of a minute the first time.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from cable_model.calls import Calls
+from cable_model.effects import BY_NAME, CHAIN, EFFECTS, STAGGERED, TOW, variant
+from cable_model.entries import ABSENT, EITHER, KINDS, PRESENT, RELEASED, Variant
+from cable_model.model import Model
+from cable_model.precompiled import ObjectCode
+
+ROOT = Path(__file__).resolve().parents[1]
+SHIPPED = ROOT / "cable_model" / "object_code"
+KERNELS = ROOT / "cable_model" / "kernels"
+# beside the kernels, what object code is made of
+_MADE_BY = (
+    "cable_model/calls.py",
+    "cable_model/effects.py",
+    "cable_model/entries.py",
+    "cable_model/signals.py",
+    "fmu_src/native/export.py",
+    "fmu_src/native/presence.py",
+    "fmu_src/native/reshape.py",
+)
+SUFFIX = "-x86_64-unknown-linux-gnu.o"
+OLDEST, RECENT = "x86-64", "x86-64-v3"  # processors, as LLVM calls them: what FMUs are for, and what runs in the library
+_RECENT = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")  # what the second has beyond the first
+
+# of FMUs without a baked scene, whose parameters switch parts on and off: in the plane, and in space
+GENERIC: dict[str, tuple[Variant, ...]] = {
+    model: tuple({part: KINDS[kind] for part, kind in variant(model, space).items()} for space in (False, True)) for model in (CHAIN, TOW)
+}
+
+
+def _every_effect(model: str, space: bool) -> Variant:
+    """A variant in which all that a model has is decided at run time, but for plane or space; of the chain on the staggered grid."""
+    has = {effect.name: model in effect.models and (model == TOW or STAGGERED in effect.grids) for effect in EFFECTS if effect.part}
+    kinds = {name: KINDS[BY_NAME[name].native] if has_it else ABSENT for name, has_it in has.items()}
+    parts = {name: EITHER if has[name] and kind == ABSENT else kind for name, kind in kinds.items()}
+    in_space = {"space": PRESENT, "as_printed": ABSENT} if space else {"space": ABSENT}
+    return {**parts, **in_space, RELEASED: EITHER if model == CHAIN else ABSENT}
+
+
+# of the library: whatever a scene has, but for the box grid, where parts decide on the layout
+EVERY: dict[str, tuple[Variant, ...]] = {model: (_every_effect(model, False), _every_effect(model, True)) for model in (CHAIN, TOW)}
+
+
+@functools.cache
+def _sources() -> bytes:
+    """All that object code is made of."""
+    paths = (*sorted(KERNELS.glob("*.py")), *(ROOT / path for path in _MADE_BY))
+    return b"\0".join(hashlib.sha256(path.read_bytes()).digest() for path in paths)
+
+
+def key(model: str, variants: Sequence[Variant], processor: str) -> str:
+    """A name for the object code of these variants for a processor, by the content of all that it is made of."""
+    return hashlib.sha256(_sources() + json.dumps([model, list(variants), processor]).encode()).hexdigest()[:24]
+
+
+@functools.cache
+def compilers() -> str:
+    """The versions of all that compiles, by which the user's cache tells apart what they made of the same sources."""
+    return "-".join((f"{sys.version_info.major}{sys.version_info.minor}", version("numba"), version("llvmlite")))
+
+
+def kept(model: str, variants: Sequence[Variant], processor: str, suffix: str = SUFFIX) -> Path:
+    """Where the user's cache keeps what was compiled of these variants; `suffix` ".bc" or "-TRIPLE.o"."""
+    import platformdirs
+
+    name = f"{key(model, variants, processor)}-{compilers()}{suffix}"
+    return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / name
+
+
+def shipped(model: str, variants: Sequence[Variant], processor: str) -> Path:
+    """Where a wheel keeps the object code of these variants."""
+    return SHIPPED / f"{key(model, variants, processor)}.o"
+
+
+def _found(model: str, variants: Sequence[Variant], processor: str) -> bytes:
+    for place in (shipped, kept):
+        path = place(model, variants, processor)
+        if path.is_file():
+            return path.read_bytes()
+    return b""
+
+
+@functools.cache
+def _is_recent() -> bool:
+    import llvmlite.binding as llvm
+
+    features = llvm.get_host_cpu_features()
+    return all(features.get(feature, False) for feature in _RECENT)
+
+
+@functools.cache
+def _code(model: str) -> tuple[ObjectCode, ...]:
+    """What lies ready for a model, the best first."""
+    kinds = [(GENERIC[model], OLDEST)]
+    if _is_recent():
+        kinds.insert(0, (EVERY[model], RECENT))
+    found = ((_found(model, variants, processor), variants) for variants, processor in kinds)
+    return tuple(ObjectCode(code, variants) for code, variants in found if code)
+
+
+def calls(model: Model) -> Calls | None:
+    """Calls of object code that lies ready; None where there is none, or none that serves this model, or kernels are to be plain Python."""
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return None
+    for code in _code(model.name):
+        made = code.calls(model)
+        if made is not None:
+            return made
+    return None
