@@ -63,6 +63,11 @@ def _lying_ready(model: Model) -> Calls | None:
     return ready.calls(model)
 
 
+def compiled(model: Model) -> Calls | None:
+    """In place of what lies ready: nothing, so that numba compiles kernels for exactly the effects of the model's scene."""
+    return None
+
+
 class Model:
     """A cable under a moving top end, stepped like a co-simulation component.
 
@@ -71,20 +76,21 @@ class Model:
     """
 
     name = ""
-    # kernels for every model that is not given its own; None: numba compiles them, for exactly the effects of each scene
-    offered: ClassVar[Callable[[Model], Calls | None] | None] = staticmethod(_lying_ready)
+    offered: ClassVar[Callable[[Model], Calls | None]] = staticmethod(_lying_ready)  # kernels for models that are not given their own
     _at_rest = np.zeros(13)  # the inputs beyond the top's, of a winch, a lower end and water that stand still
 
     def __init__(self, scene: Scene, precompiled: Callable[[Model], Calls | None] | None = None) -> None:
-        """`precompiled` (else `offered`) offers kernels that are compiled already, or None where it has none: then numba compiles them."""
+        """`precompiled` (else `offered`) offers kernels that are compiled already, or None where it has none: then numba compiles them.
+
+        `compiled` in its place asks for kernels of exactly the scene's effects.
+        """
         self.scene = scene
         self.motion_order = scene.top.motion_order
         self.parts = parts_of(scene, self.name)
         self.numbers = numbers_of(scene)
         self._at_rest = np.array([0.0, *scene.lower.position, *[0.0] * 9])
         self._at_start: tuple[str, ...] = ()
-        offered = precompiled or type(self).offered
-        self._calls = (offered and offered(self)) or self._just_in_time()
+        self._calls = (precompiled or type(self).offered)(self) or self._just_in_time()
 
     @staticmethod
     def kernels() -> ModuleType:

@@ -35,7 +35,10 @@ _MADE_BY = (
     "fmu_src/native/presence.py",
     "fmu_src/native/reshape.py",
 )
-SUFFIX = "-x86_64-unknown-linux-gnu.o"
+SUFFIX, BITCODE = (
+    "-x86_64-unknown-linux-gnu.o",
+    ".bc",
+)  # of files with object code for this machine, and with what all platforms' is made of
 OLDEST, RECENT = "x86-64", "x86-64-v3"  # processors, as LLVM calls them: what FMUs are for, and what runs in the library
 _RECENT = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe")  # what the second has beyond the first
 
@@ -77,21 +80,22 @@ def compilers() -> str:
 
 
 def kept(model: str, variants: Sequence[Variant], processor: str, suffix: str = SUFFIX) -> Path:
-    """Where the user's cache keeps what was compiled of these variants; `suffix` ".bc" or "-TRIPLE.o"."""
+    """Where the user's cache keeps what was compiled of these variants; `suffix`: BITCODE, or a platform's object code."""
     import platformdirs
 
     name = f"{key(model, variants, processor)}-{compilers()}{suffix}"
     return Path(platformdirs.user_cache_dir("cable_fmu")) / "native" / name
 
 
-def shipped(model: str, variants: Sequence[Variant], processor: str) -> Path:
-    """Where a wheel keeps the object code of these variants."""
-    return SHIPPED / f"{key(model, variants, processor)}.o"
+def shipped(model: str, variants: Sequence[Variant], processor: str, suffix: str = SUFFIX) -> Path:
+    """Where a wheel keeps it, which compilers of whatever version have made."""
+    return SHIPPED / f"{key(model, variants, processor)}{suffix}"
 
 
-def _found(model: str, variants: Sequence[Variant], processor: str) -> bytes:
+def found(model: str, variants: Sequence[Variant], processor: str, suffix: str = SUFFIX) -> bytes:
+    """What is compiled already of these variants; b"" where nothing is."""
     for place in (shipped, kept):
-        path = place(model, variants, processor)
+        path = place(model, variants, processor, suffix)
         if path.is_file():
             return path.read_bytes()
     return b""
@@ -111,8 +115,8 @@ def _code(model: str) -> tuple[ObjectCode, ...]:
     kinds = [(GENERIC[model], OLDEST)]
     if _is_recent():
         kinds.insert(0, (EVERY[model], RECENT))
-    found = ((_found(model, variants, processor), variants) for variants, processor in kinds)
-    return tuple(ObjectCode(code, variants) for code, variants in found if code)
+    lying = ((found(model, variants, processor), variants) for variants, processor in kinds)
+    return tuple(ObjectCode(code, variants) for code, variants in lying if code)
 
 
 def calls(model: Model) -> Calls | None:

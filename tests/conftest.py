@@ -16,7 +16,7 @@ from native_support import KEYS
 
 from cable_model import CableChain, load, ready, simulate
 from cable_model.calls import Calls
-from cable_model.model import Model
+from cable_model.model import Model, compiled
 from cable_model.models import MODELS
 from cable_model.simulation import Result
 from fmu_src.build import build as build_fmu
@@ -60,8 +60,8 @@ def _lying_ready(model: Model) -> Calls | None:
 def _kernels(request: pytest.FixtureRequest) -> Iterator[None]:
     """Models run on object code for every scene, compiled once; those of a module marked `compiled` on what numba makes for their parts."""
     before = Model.offered
-    compiled = request.node.get_closest_marker("compiled") or numba.config.DISABLE_JIT or not object_code.can_export()
-    Model.offered = None if compiled else staticmethod(_lying_ready)
+    by_numba = request.node.get_closest_marker("compiled") or numba.config.DISABLE_JIT or not object_code.can_export()
+    Model.offered = staticmethod(compiled if by_numba else _lying_ready)
     yield
     Model.offered = before
 

@@ -19,7 +19,7 @@ from native_support import BAKED
 from cable_model import CableChain, Scene, TowCable, from_dict, load, ready, simulate, with_values
 from cable_model.just_in_time import JustInTime
 from cable_model.kernels.watch import WAVES_SEEN
-from cable_model.model import Model
+from cable_model.model import Model, compiled
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
 from cable_model.precompiled import ObjectCode, Precompiled
@@ -80,7 +80,7 @@ def run_of(model: Model, steps: int) -> np.ndarray:
 
 def as_compiled(key: str, scene: Scene, code: dict[str, ObjectCode], steps: int) -> np.ndarray:
     """Outputs of a scene by object code, which are those by what numba compiles for it; to the bit where no waves are summed."""
-    quick, own = MODELS[key](scene, code[key].calls), MODELS[key](scene, lambda model: None)
+    quick, own = MODELS[key](scene, code[key].calls), MODELS[key](scene, compiled)
     assert isinstance(own._calls, JustInTime)
     assert isinstance(quick._calls, Precompiled), code[key].refusal(quick)
     found, expected = run_of(quick, steps), run_of(own, steps)
@@ -142,14 +142,14 @@ def test_numba_compiles_what_no_object_code_serves(code: dict[str, ObjectCode], 
     assert ready.calls(sphere) is None
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
     assert ready.calls(sphere) is not None
-    monkeypatch.setattr(ready, "_found", lambda *of: b"")
+    monkeypatch.setattr(ready, "found", lambda *of: b"")
     ready._code.cache_clear()
     assert ready.calls(sphere) is None
 
 
 def test_an_older_processor_gets_the_code_of_fmus(monkeypatch: pytest.MonkeyPatch, unread: None):
     asked = []
-    monkeypatch.setattr(ready, "_found", lambda model, variants, processor: asked.append(processor) or b"")
+    monkeypatch.setattr(ready, "found", lambda model, variants, processor: asked.append(processor) or b"")
     for recent, expected in ((True, [ready.RECENT, ready.OLDEST]), (False, [ready.OLDEST])):
         monkeypatch.setattr(ready, "_is_recent", lambda recent=recent: recent)
         ready._code.cache_clear()

@@ -5,14 +5,16 @@ Times are machine-dependent; the ratios to the bare chain are what to read.
 
 from __future__ import annotations
 
+import math
 import statistics
 import time
 from dataclasses import dataclass
 
+from cable_model import ready
 from cable_model.driving import output_steps, pieces
 from cable_model.effects import COST_CASES
 from cable_model.machine import machine
-from cable_model.model import Model
+from cable_model.model import Model, compiled
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
 from cable_model.scene import Scene, from_dict, with_values
@@ -42,6 +44,7 @@ class Cost:
     microseconds: float  # per node and internal step, outputs included
     iterations: float  # Newton iterations per step
     ratio: float  # of the time per node and step to the first case's, of the same repetition
+    every: float  # of the time by object code for every scene to that by kernels for this one, of the same repetition; NaN: serves it not
 
 
 def scene_of(changes: dict[str, object]) -> Scene:
@@ -59,18 +62,31 @@ def _seconds(model: Model, scene: Scene) -> float:
     return time.perf_counter() - begun
 
 
+def served(scene: Scene) -> bool:
+    """Whether object code for every scene lies ready here, and serves this one."""
+    return ready.calls(MODELS["chain"](scene, compiled)) is not None
+
+
+def ratio(value: float) -> str:
+    """As tables show it."""
+    return "-" if math.isnan(value) else f"{value:.2f}"
+
+
 def measure(names: list[str] | None = None, repetitions: int = 7) -> list[Cost]:
     """Time every case, all cases in turn in each repetition, so that a slow spell of the machine hits them alike."""
     names = names or list(CASES)
     scenes = {name: scene_of(CASES[name]) for name in names}
-    models = {name: MODELS["chain"](scene) for name, scene in scenes.items()}
+    models = {name: MODELS["chain"](scene, compiled) for name, scene in scenes.items()}
     for name, model in models.items():  # compile
         _seconds(model, scenes[name])
     each: dict[str, list[float]] = {name: [] for name in names}
+    by_every: dict[str, list[float]] = {name: [] for name in names}
+    every = {name: MODELS["chain"](scene) for name, scene in scenes.items() if served(scene)}
     for _ in range(repetitions):
         for name, model in models.items():
             seconds = _seconds(model, scenes[name])
             each[name].append(1e6 * seconds / (model.outputs[15] * scenes[name].solver.nodes))
+            by_every[name].append(_seconds(every[name], scenes[name]) / seconds if name in every else math.nan)
     bare = each[names[0]]
     return [
         Cost(
@@ -78,6 +94,7 @@ def measure(names: list[str] | None = None, repetitions: int = 7) -> list[Cost]:
             statistics.median(each[name]),
             float(models[name].outputs[16] / models[name].outputs[15]),
             statistics.median(x / y for x, y in zip(each[name], bare, strict=True)),
+            statistics.median(by_every[name]),
         )
         for name in names
     ]
@@ -95,9 +112,12 @@ def markdown(costs: list[Cost], proof: str = "") -> str:
         "Where a step takes more than one iteration, part of the ratio is the motion's, not the effect's: the drag of still water bends",
         "sharply wherever the cable's velocity changes its sign, which it does not in a current faster than the motion.",
         "",
-        "| effects | us per node and step | iterations per step | ratio to the bare chain |",
-        "|---|---:|---:|---:|",
+        "These are kernels that numba compiles for exactly the effects of a scene.  The last column is the time of the object code for",
+        "every scene, on which runs start, over theirs.",
+        "",
+        "| effects | us per node and step | iterations per step | ratio to the bare chain | object code for every scene |",
+        "|---|---:|---:|---:|---:|",
     ]
-    lines += [f"| {c.name} | {c.microseconds:.3f} | {c.iterations:.2f} | {c.ratio:.2f} |" for c in costs]
+    lines += [f"| {c.name} | {c.microseconds:.3f} | {c.iterations:.2f} | {c.ratio:.2f} | {ratio(c.every)} |" for c in costs]
     lines += ["", proof] if proof else []
     return "\n".join(lines) + "\n"

@@ -33,8 +33,8 @@ def bench(
     case: Annotated[list[str] | None, typer.Option(help="rows by their names, the first one is the measure; default: all")] = None,
     absent: Annotated[bool, typer.Option("--absent", help="time kernels without the code of absent effects beside")] = False,
 ) -> None:
-    """Measure what each effect costs on this machine, switched on alone."""
-    from cable_model.lab.bench import CASES, markdown, measure
+    """Measure what each effect costs on this machine, switched on alone; beside it the object code of `cable-fmu prepare`."""
+    from cable_model.lab.bench import CASES, markdown, measure, ratio
 
     check_output(output)
     for name in case or []:
@@ -42,11 +42,11 @@ def bench(
             raise unknown(name, CASES, "case")
 
     table = Table(title="Cost of the chain's kernels, forced chain of 101 nodes")
-    for column in ("effects", "us per node and step", "iterations per step", "ratio to the bare chain"):
+    for column in ("effects", "us per node and step", "iterations per step", "ratio to the bare chain", "object code for every scene"):
         table.add_column(column, justify="left" if column == "effects" else "right")
     costs = measure(case, repetitions)
     for cost in costs:
-        table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}")
+        table.add_row(cost.name, f"{cost.microseconds:.3f}", f"{cost.iterations:.2f}", f"{cost.ratio:.2f}", ratio(cost.every))
     console.print(table)
     proof = ""
     if absent:

@@ -51,10 +51,12 @@ def _alone(lock: Path) -> Iterator[None]:
         yield
 
 
-def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
-    """What a file of the cache holds, made first where it is not there."""
-    if path.is_file():
-        return path.read_bytes()
+def _made(model: str, variants: Sequence[Variant], target: Target, suffix: str, make: Callable[[], bytes]) -> bytes:
+    """What lies ready in the package or in the user's cache; else it is made, and kept there."""
+    compiled = ready.found(model, variants, target.processor, suffix)
+    if compiled:
+        return compiled
+    path = ready.kept(model, variants, target.processor, suffix)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with _alone(path.with_name(f"{path.name}.lock")):
@@ -67,25 +69,17 @@ def _kept(path: Path, make: Callable[[], bytes]) -> bytes:
         return make()  # a cache that cannot be written is none
 
 
-def _tuned(target: Target) -> Target:
-    """For whose processor the bitcode of a platform is optimized."""
-    return target if target == LIBRARY else LINUX
-
-
-def bitcode(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
-    """Entries kernel_0, kernel_1, ... of the variants as LLVM's bitcode, one for all platforms of FMUs, kept in the user's cache.
+def bitcode(model: str, variants: Sequence[Variant]) -> bytes:
+    """Entries kernel_0, kernel_1, ... of the variants as LLVM's bitcode, for all platforms of FMUs, kept in the user's cache.
 
     Raises ExportError where the export fails.
     """
-    tuned = _tuned(target)
-    return _kept(ready.kept(model, variants, tuned.processor, ".bc"), lambda: export(model, variants, tuned))
+    return _made(model, variants, LINUX, ready.BITCODE, lambda: export(model, variants))
 
 
 def object_code(model: str, variants: Sequence[Variant], target: Target = LINUX) -> bytes:
-    """The same as an object file for a platform, kept likewise; or the one that lies ready in the package."""
-    tuned = _tuned(target)
-    shipped = ready.shipped(model, variants, tuned.processor)
-    if target == tuned and shipped.is_file():
-        return shipped.read_bytes()
-    path = ready.kept(model, variants, tuned.processor, f"-{target.triple}.o")
-    return _kept(path, lambda: object_file(bitcode(model, variants, target), target))
+    """The same as an object file for a platform, or for LIBRARY, kept likewise."""
+    if target == LIBRARY:
+        return _made(model, variants, target, ready.SUFFIX, lambda: object_file(export(model, variants, target), target))
+    suffix = f"-{target.triple}.o"
+    return _made(model, variants, LINUX, suffix, lambda: object_file(bitcode(model, variants), target))

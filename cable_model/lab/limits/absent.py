@@ -27,10 +27,11 @@ RUNNER = """
 import sys, time
 import numpy as np
 from cable_model.lab.bench import scene_of
+from cable_model.model import compiled
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
 scene = scene_of({"run.duration": 3.0})
-model, motion, step = MODELS["chain"](scene), motion_of(scene), scene.run.output_step
+model, motion, step = MODELS["chain"](scene, compiled), motion_of(scene), scene.run.output_step
 tops = [(motion(k * step), motion((k + 1) * step)) for k in range(30)]
 def run():
     model.initialize(tops[0][0])

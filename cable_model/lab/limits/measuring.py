@@ -19,6 +19,7 @@ from cable_model.kernels.family import coefficients
 from cable_model.kernels.path import Ends
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
+from cable_model.model import compiled
 from cable_model.models import MODELS
 from cable_model.motion import motion_of
 
@@ -155,7 +156,7 @@ def per_node(case: str) -> float:
 
 def growth(nodes: tuple[int, ...] = GROWTH, duration: float = 1.0) -> list[tuple[int, float, float]]:
     """Nodes, processor seconds per simulated second and node, and Newton iterations a step of the bare chain."""
-    models = {n: MODELS["chain"](scene_of({"solver.nodes": n, "run.duration": duration})) for n in nodes}
+    models = {n: MODELS["chain"](scene_of({"solver.nodes": n, "run.duration": duration}), compiled) for n in nodes}
     seconds: dict[int, list[float]] = {n: [] for n in nodes}
     for _ in range(5):
         for n, model in models.items():
