@@ -17,7 +17,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from cable_model.calls import Calls
-from cable_model.effects import BY_NAME, CHAIN, EFFECTS, STAGGERED, TOW, variant
+from cable_model.effects import BOX, BY_NAME, CHAIN, EFFECTS, STAGGERED, TOW, variant
 from cable_model.entries import ABSENT, EITHER, KINDS, PRESENT, RELEASED, Variant
 from cable_model.model import Model
 from cable_model.precompiled import ObjectCode
@@ -48,17 +48,23 @@ GENERIC: dict[str, tuple[Variant, ...]] = {
 }
 
 
-def _every_effect(model: str, space: bool) -> Variant:
-    """A variant in which all that a model has is decided at run time, but for plane or space; of the chain on the staggered grid."""
-    has = {effect.name: model in effect.models and (model == TOW or STAGGERED in effect.grids) for effect in EFFECTS if effect.part}
+def _every_effect(model: str, grid: str, **fixed: int) -> Variant:
+    """A variant in which all that a model has on a grid is decided at run time, but for what decides on the size of vectors: `fixed`."""
+    has = {effect.name: model in effect.models and (model == TOW or grid in effect.grids) for effect in EFFECTS if effect.part}
     kinds = {name: KINDS[BY_NAME[name].native] if has_it else ABSENT for name, has_it in has.items()}
     parts = {name: EITHER if has[name] and kind == ABSENT else kind for name, kind in kinds.items()}
-    in_space = {"space": PRESENT, "as_printed": ABSENT} if space else {"space": ABSENT}
-    return {**parts, **in_space, RELEASED: EITHER if model == CHAIN else ABSENT}
+    released = EITHER if (model, grid) == (CHAIN, STAGGERED) else ABSENT
+    return {**parts, "space": ABSENT, "box": ABSENT, RELEASED: released, **fixed}
 
 
-# of the library: whatever a scene has, but for the box grid, where parts decide on the layout
-EVERY: dict[str, tuple[Variant, ...]] = {model: (_every_effect(model, False), _every_effect(model, True)) for model in (CHAIN, TOW)}
+# of the library: whatever a scene has
+EVERY: dict[str, tuple[Variant, ...]] = {
+    CHAIN: (
+        *(_every_effect(CHAIN, STAGGERED, space=space) for space in (ABSENT, PRESENT)),
+        *(_every_effect(CHAIN, BOX, box=PRESENT, bending=bending) for bending in (ABSENT, PRESENT)),
+    ),
+    TOW: (_every_effect(TOW, STAGGERED), _every_effect(TOW, STAGGERED, space=PRESENT, as_printed=ABSENT)),
+}
 
 
 @functools.cache

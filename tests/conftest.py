@@ -16,7 +16,7 @@ from native_support import KEYS
 
 from cable_model import CableChain, load, ready, simulate
 from cable_model.calls import Calls
-from cable_model.model import Model, compiled
+from cable_model.model import Model
 from cable_model.models import MODELS
 from cable_model.simulation import Result
 from fmu_src.build import build as build_fmu
@@ -29,21 +29,17 @@ from fmu_src.native.targets import LIBRARY
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """One worker builds the generic FMUs, once, and runs their tests first: the others would wait for it.
 
-    What numba compiles comes before what runs on object code for every scene; test_plain runs what is to run as plain Python.
+    test_plain runs what is to run as plain Python.
     """
     plain = [item for item in items if item.get_closest_marker("plain")]
     if not numba.config.DISABLE_JIT and plain:
         config.hook.pytest_deselected(items=plain)
         items[:] = [item for item in items if item not in plain]
 
-    def turn(item: pytest.Item) -> int:
-        groups = [mark.args[0] for mark in item.iter_markers("xdist_group")]
-        return 0 if "native" in groups else 1 if item.get_closest_marker("compiled") else 2
-
     for item in items:
         if {"fmu", "fmus", "native", "native3"} & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.xdist_group("native"))
-    items.sort(key=turn)
+    items.sort(key=lambda item: all(mark.args[0] != "native" for mark in item.iter_markers("xdist_group")))
 
 
 @functools.cache
@@ -56,12 +52,12 @@ def _lying_ready(model: Model) -> Calls | None:
     return ready.calls(model)
 
 
-@pytest.fixture(autouse=True, scope="module")
-def _kernels(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Models run on object code for every scene, compiled once; those of a module marked `compiled` on what numba makes for their parts."""
+@pytest.fixture(autouse=True, scope="session")
+def _kernels() -> Iterator[None]:
+    """Models run on object code for every scene, compiled once, and not by numba for each set of parts."""
     before = Model.offered
-    by_numba = request.node.get_closest_marker("compiled") or numba.config.DISABLE_JIT or not object_code.can_export()
-    Model.offered = staticmethod(compiled if by_numba else _lying_ready)
+    if object_code.can_export():
+        Model.offered = staticmethod(_lying_ready)
     yield
     Model.offered = before
 

@@ -20,8 +20,6 @@ from cable_model.scene import from_dict, load, with_values
 from cable_model.signals import OUTPUTS
 from cable_model.simulation import simulate
 
-pytestmark = pytest.mark.plain
-
 ENERGY, MOMENTUM = OUTPUTS.index("audit.energy"), OUTPUTS.index("audit.momentum")
 SWAY = swing((0.02, 0.0, 0.01), SECOND_MODE, phase=(0.0, 0.0, 0.5))
 CIRCLE = swing((0.02, 0.01, 0.01), SECOND_MODE, phase=(0.0, 1.0, 0.5))
@@ -145,6 +143,7 @@ def test_what_is_dragged_over_a_seabed_closes():
     assert coarse.energy / fine.energy > 1.5
 
 
+@pytest.mark.plain
 def test_friction_of_half_its_size_shows(monkeypatch):
     own = seabed.sliders.friction_of
 
@@ -193,6 +192,7 @@ WRONG = {
 }  # fmt: skip
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("kind", WRONG)
 def test_a_broken_kernel_shows(kind, monkeypatch):
     base, motion, step, duration, module, name, broken, share, force = WRONG[kind]
@@ -205,6 +205,7 @@ def test_a_broken_kernel_shows(kind, monkeypatch):
     assert wrong.momentum_share > force
 
 
+@pytest.mark.plain
 def test_a_wrong_force_at_the_top_shows(monkeypatch):
     own = audit.end_forces
 

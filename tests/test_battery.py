@@ -1,7 +1,6 @@
-"""Batteries: what must hold for every scene that the table of effects allows, tried on random ones.
+"""Batteries: what must hold for every scene that the table of effects allows, tried on random ones, three hundred a test.
 
-Kernels run as plain Python here: every combination of effects would be compiled for half a minute, and runs for half a second.
-Each test is a process of its own for that; `-m long` tries fifty times as many scenes.
+`-m long` tries twenty times as many scenes.  Without object code for every scene there are none: numba would compile for each.
 """
 
 from __future__ import annotations
@@ -21,20 +20,14 @@ from hypothesis import strategies as st
 from cable_model.scene import Scene
 from cable_model.signals import OUTPUTS
 from cable_model.simulated import one_line
+from fmu_src.native.object_code import can_export
 
-EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "15"))
-PLAIN = bool(numba.config.DISABLE_JIT)
-tried = settings(
-    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 15, database=None, print_blob=False,
+EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "300"))
+pytestmark = pytest.mark.skipif(not (can_export() or numba.config.DISABLE_JIT), reason="kernels would be compiled for each scene")
+battery = settings(
+    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 300, database=None, print_blob=False,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
-BATTERIES = []
-
-
-def battery(test):
-    """A test over random scenes, run where kernels are plain Python."""
-    BATTERIES.append(test.__name__)
-    return pytest.mark.skipif(not PLAIN, reason="kernels would be compiled for each scene: see test_in_plain_python")(tried(test))
 
 
 def told(case: tuple[str, Scene]) -> tuple[str, Scene]:
@@ -130,13 +123,12 @@ def test_what_hangs_freely_weighs_what_it_weighs(case):
     assert -run.table[0, 7] - 2.0 * cable.length == pytest.approx(cable.length, rel=2e-3 + 2.0 * strain)
 
 
-@pytest.mark.skipif(PLAIN, reason="this is such a process")
-@pytest.mark.parametrize("name", BATTERIES)
-@pytest.mark.parametrize("examples", [15, pytest.param(750, marks=pytest.mark.long)])
-def test_in_plain_python(name: str, examples: int):
+@pytest.mark.long
+@pytest.mark.parametrize("name", [name for name, test in list(globals().items()) if hasattr(test, "hypothesis")])
+def test_more_scenes(name: str):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", f"{__file__}::{name}"],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1", "BATTERY_EXAMPLES": str(examples)}, cwd=Path(__file__).parents[1],
+        env={**os.environ, "BATTERY_EXAMPLES": str(20 * EXAMPLES)}, cwd=Path(__file__).parents[1],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-6000:]

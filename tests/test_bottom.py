@@ -12,8 +12,6 @@ from cable_model.kernels.bottom import shape_at
 from cable_model.signals import OUTPUTS
 from cable_model.tables import relief
 
-pytestmark = pytest.mark.plain
-
 WEIGHT, STIFFNESS, LENGTH = 0.08 * 9.81, 1e4, 33.0  # N/m, N, m
 MOORING = {
     "cable": {"length": LENGTH, "mass_per_length": 0.08, "axial_stiffness": STIFFNESS, "diameter": 0.0022},

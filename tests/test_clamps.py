@@ -12,8 +12,6 @@ from cable_model.kernels.cells import turn_stiffness
 from cable_model.kernels.clamps import BELOW, TOP, clamp_of
 from cable_model.signals import OUTPUTS
 
-pytestmark = pytest.mark.plain
-
 GRAVITY = 9.81
 BEAM = {  # 2 m, held at its top so that it leaves it level along x
     "cable": {"length": 2.0, "mass_per_length": 0.05, "axial_stiffness": 1e6, "bending_stiffness": 10.0},
@@ -87,6 +85,7 @@ def test_a_moment_is_in_balance_with_the_weights_on_any_mesh(grading):
     assert found["top.moment_y"] == pytest.approx(np.sum(weights(model) * model.positions()[:, 0]), rel=1e-6)
 
 
+@pytest.mark.plain
 @pytest.mark.parametrize("grading", [1.0, 4.0])
 def test_the_flexibilities_of_clamps_and_nodes_add_up_to_that_of_the_cable(grading):
     """Turns under one moment all along: of the halves of cells at both clamps and about each node, L/EI in all."""

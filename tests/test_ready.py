@@ -46,9 +46,8 @@ PARTS: dict[str, Any] = {
     "parting": {"time": 2.0, "place": 12.0}, "solver": {"nodes": 31, "time_step": 0.01}, "run": {"duration": 4.0, "output_step": 0.1},
 }  # fmt: skip
 CASES: dict[str, tuple[str, Scene]] = {
-    **{name: (key, from_dict(values)) for name, (key, values) in BAKED.items() if "box" not in name},
+    **{name: (key, from_dict(values)) for name, (key, values) in BAKED.items()},
     "chain that parts, clamped, with bending, a winch and a bottom that slopes": ("chain", from_dict(PARTS)),
-    "towed_body": ("chain", load("towed_body")),
     "dale_sphere": ("tow", load("dale_sphere")),
 }
 
@@ -96,7 +95,11 @@ def as_compiled(key: str, scene: Scene, code: dict[str, ObjectCode], steps: int)
     return found
 
 
-@pytest.mark.parametrize("case", CASES)
+# the rest are baked into FMUs, with exactly their parts, and held against this object code there
+EVERY_DAY = ("chain of sections", "chain that parts", "dale_sphere")
+
+
+@pytest.mark.parametrize("case", [pytest.param(case, marks=() if case.startswith(EVERY_DAY) else pytest.mark.long) for case in CASES])
 def test_object_code_for_every_scene_gives_what_numba_compiles_for_one(case: str, code: dict[str, ObjectCode]):
     found = as_compiled(*CASES[case], code, 40 if "parts" in case else 20)
     parted = found[:, OUTPUTS.index("cable.parted")]
@@ -116,6 +119,7 @@ def test_it_serves_every_shipped_scene(name: str, code: dict[str, ObjectCode]):
     assert code["chain"].refusal(CableChain(scene, lambda model: NEVER)) == ""
 
 
+@pytest.mark.xdist_group("native")  # whose worker has the object code of FMUs
 @pytest.mark.parametrize(("variants", "target"), [(ready.EVERY, LIBRARY), (ready.GENERIC, LINUX)], ids=["prepared", "of FMUs"])
 def test_a_run_starts_on_what_lies_in_the_cache(variants: Any, target: Target, tmp_path: Path):
     """And compiles nothing."""
@@ -134,10 +138,14 @@ def test_a_run_starts_on_what_lies_in_the_cache(variants: Any, target: Target, t
     assert_same(rows, np.column_stack([own[name] for name in columns]))
 
 
+@pytest.mark.xdist_group("native")
 def test_numba_compiles_what_no_object_code_serves(code: dict[str, ObjectCode], monkeypatch: pytest.MonkeyPatch, unread: None):
-    sphere, box = TowCable(load("dale_sphere")), with_values(load("hanging_chain"), {"solver.grid": "box"})
+    sphere = TowCable(load("dale_sphere"))
     assert isinstance(ready.calls(sphere), Precompiled)
-    assert ready.calls(CableChain(box, lambda model: NEVER)) is None
+    of_fmus = ObjectCode(object_code.object_code("tow", ready.GENERIC["tow"]), ready.GENERIC["tow"])
+    assert of_fmus.calls(sphere) is not None
+    cut = with_values(load("dale_sphere"), {"waves.amplitude": 0.1, "waves.surface": "cut"})
+    assert of_fmus.calls(TowCable(cut, lambda model: NEVER)) is None
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # kernels are to be plain Python
     assert ready.calls(sphere) is None
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "0")
