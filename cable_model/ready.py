@@ -115,10 +115,10 @@ def _is_recent() -> bool:
 
 @functools.cache
 def _code(model: str) -> tuple[ObjectCode, ...]:
-    """What lies ready for a model, the best first."""
+    """What lies ready for a model: what was made for FMUs, which has less to decide, and what serves every scene."""
     kinds = [(GENERIC[model], OLDEST)]
     if _is_recent():
-        kinds.insert(0, (EVERY[model], RECENT))
+        kinds.append((EVERY[model], RECENT))
     lying = ((found(model, variants, processor), variants) for variants, processor in kinds)
     return tuple(ObjectCode(code, variants) for code, variants in lying if code)
 
@@ -127,8 +127,7 @@ def calls(model: Model) -> Calls | None:
     """Calls of object code that lies ready; None where there is none, or none that serves this model, or kernels are to be plain Python."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return None
-    for code in _code(model.name):
-        made = code.calls(model)
-        if made is not None:
-            return made
-    return None
+    code = _code(model.name)
+    # sums over many waves are twice as fast on a recent processor
+    made = (one.calls(model) for one in (code if model.parts.waves is None else reversed(code)))
+    return next((each for each in made if each is not None), None)

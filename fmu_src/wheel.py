@@ -33,6 +33,7 @@ def build_wheel(wheel_directory: str, config_settings: Mapping[str, Any] | None 
                 ready.shipped(model, variants, LIBRARY.processor).write_bytes(object_code(model, variants, LIBRARY))
             for model, variants in ready.GENERIC.items():
                 ready.shipped(model, variants, LINUX.processor, ready.BITCODE).write_bytes(bitcode(model, variants))
+                ready.shipped(model, variants, LINUX.processor).write_bytes(object_code(model, variants))
         name: str = build_meta.build_wheel(wheel_directory, config_settings, metadata_directory)
         return name
     finally:

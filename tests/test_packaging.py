@@ -51,7 +51,7 @@ def test_a_wheel_builds_an_fmu_in_an_empty_folder(tmp_path: Path):
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(tmp_path / "site")
     assert not (tmp_path / "site" / "cable_model" / "lab").exists()
-    assert len(list((tmp_path / "site" / "cable_model" / "object_code").iterdir())) == 4
+    assert len(list((tmp_path / "site" / "cable_model" / "object_code").iterdir())) == 6
     assert not (ROOT / "cable_model" / "object_code").exists()
     empty = tmp_path / "empty"
     empty.mkdir()
@@ -67,4 +67,4 @@ def test_a_wheel_builds_an_fmu_in_an_empty_folder(tmp_path: Path):
     for arguments in (["run", "towed_body", "-o", "out.csv"], ["build", "--no-native", "-o", "dist"]):
         subprocess.run([*command[:3], *arguments], cwd=empty, env=environment, capture_output=True, text=True, check=True, timeout=1200)
     kept = {path.suffix for path in (tmp_path / ".cache").rglob("*")}
-    assert ".o" in kept and not {".bc", ".nbi", ".nbc"} & kept
+    assert not {".o", ".bc", ".nbi", ".nbc"} & kept

@@ -158,7 +158,7 @@ def test_numba_compiles_what_no_object_code_serves(code: dict[str, ObjectCode], 
 def test_an_older_processor_gets_the_code_of_fmus(monkeypatch: pytest.MonkeyPatch, unread: None):
     asked = []
     monkeypatch.setattr(ready, "found", lambda model, variants, processor: asked.append(processor) or b"")
-    for recent, expected in ((True, [ready.RECENT, ready.OLDEST]), (False, [ready.OLDEST])):
+    for recent, expected in ((True, [ready.OLDEST, ready.RECENT]), (False, [ready.OLDEST])):
         monkeypatch.setattr(ready, "_is_recent", lambda recent=recent: recent)
         ready._code.cache_clear()
         asked.clear()
