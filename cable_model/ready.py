@@ -106,7 +106,8 @@ def found(model: str, variants: Sequence[Variant], processor: str, suffix: str =
 
 
 @functools.cache
-def _is_recent() -> bool:
+def is_recent() -> bool:
+    """Whether this processor runs what is made for RECENT ones."""
     import llvmlite.binding as llvm
 
     features = llvm.get_host_cpu_features()
@@ -117,7 +118,7 @@ def _is_recent() -> bool:
 def _code(model: str) -> tuple[ObjectCode, ...]:
     """What lies ready for a model: what was made for FMUs, which has less to decide, and what serves every scene."""
     kinds = [(GENERIC[model], OLDEST)]
-    if _is_recent():
+    if is_recent():
         kinds.append((EVERY[model], RECENT))
     lying = ((found(model, variants, processor), variants) for variants, processor in kinds)
     return tuple(ObjectCode(code, variants) for code, variants in lying if code)

@@ -15,9 +15,9 @@ from fmu_support import Fmu
 from native_support import KEYS
 
 from cable_model import CableChain, load, ready, simulate
-from cable_model.calls import Calls
 from cable_model.model import Model
 from cable_model.models import MODELS
+from cable_model.precompiled import ObjectCode
 from cable_model.simulation import Result
 from fmu_src.build import build as build_fmu
 from fmu_src.interface import generic_scene
@@ -43,21 +43,17 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @functools.cache
-def _prepare() -> None:
-    object_code.prepare(ready.EVERY, LIBRARY)
-
-
-def _lying_ready(model: Model) -> Calls | None:
-    _prepare()
-    return ready.calls(model)
+def _for_every_scene(model: str) -> ObjectCode:
+    variants = ready.EVERY[model]
+    return ObjectCode(object_code.object_code(model, variants, LIBRARY), variants)
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _kernels() -> Iterator[None]:
     """Models run on object code for every scene, compiled once, and not by numba for each set of parts."""
     before = Model.offered
-    if object_code.can_export():
-        Model.offered = staticmethod(_lying_ready)
+    if object_code.can_export() and ready.is_recent() and not numba.config.DISABLE_JIT:
+        Model.offered = staticmethod(lambda model: _for_every_scene(model.name).calls(model))
     yield
     Model.offered = before
 
