@@ -1,6 +1,6 @@
-"""Batteries: what must hold for every scene that the table of effects allows, tried on random ones, three hundred a test.
+"""Batteries: what must hold for every scene that the table of effects allows, tried on random ones, a hundred a test.
 
-`-m long` tries twenty times as many scenes.  Without object code for every scene there are none: numba would compile for each.
+`-m long` tries sixty times as many scenes.  Without object code for every scene there are none: numba would compile for each.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from cable_model.signals import OUTPUTS
 from cable_model.simulated import one_line
 from fmu_src.native.object_code import can_export
 
-EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "300"))
+EXAMPLES = int(os.environ.get("BATTERY_EXAMPLES", "100"))
 pytestmark = pytest.mark.skipif(not (can_export() or numba.config.DISABLE_JIT), reason="kernels would be compiled for each scene")
 battery = settings(
-    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 300, database=None, print_blob=False,
+    max_examples=EXAMPLES, deadline=None, derandomize=EXAMPLES == 100, database=None, print_blob=False,
     suppress_health_check=list(HealthCheck),
 )  # fmt: skip
 
@@ -132,7 +132,7 @@ def test_what_hangs_freely_weighs_what_it_weighs(case):
 def test_more_scenes(name: str):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", f"{__file__}::{name}"],
-        env={**os.environ, "BATTERY_EXAMPLES": str(20 * EXAMPLES)}, cwd=Path(__file__).parents[1],
+        env={**os.environ, "BATTERY_EXAMPLES": str(60 * EXAMPLES)}, cwd=Path(__file__).parents[1],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-6000:]
