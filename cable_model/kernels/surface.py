@@ -15,7 +15,7 @@ so that its nodes are lifted by b h dE/dz1 and b h dE/dz2: where all is wet by b
 from typing import NamedTuple
 
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.waves import AMPLITUDE, elevation
+from cable_model.kernels.waves import crest, elevation
 
 SHORT = 0.02  # of R: differences of heights below it lose too many digits, and quadrature takes their place
 GAUSS = (0.1127016653792583, 0.5, 0.8872983346207417)
@@ -141,10 +141,7 @@ def cell_share(z1, z2, r, split):
 def _reach(waves):
     if waves is None:
         return 0.0
-    reach = 0.0
-    for j in range(waves.shape[1]):
-        reach += waves[AMPLITUDE, j]
-    return reach
+    return crest(waves)
 
 
 @kernel
