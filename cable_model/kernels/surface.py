@@ -15,7 +15,7 @@ so that its nodes are lifted by b h dE/dz1 and b h dE/dz2: where all is wet by b
 from typing import NamedTuple
 
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.waves import crest, elevation
+from cable_model.kernels.waves import elevation, sum_of_amplitudes
 
 SHORT = 0.02  # of R: differences of heights below it lose too many digits, and quadrature takes their place
 GAUSS = (0.1127016653792583, 0.5, 0.8872983346207417)
@@ -141,7 +141,7 @@ def cell_share(z1, z2, r, split):
 def _reach(waves):
     if waves is None:
         return 0.0
-    return crest(waves)
+    return sum_of_amplitudes(waves)
 
 
 @kernel

@@ -268,8 +268,8 @@ def _effective_height(stretched, waves, ramp, position, t):
 
 
 @kernel
-def crest(waves):
-    """What the amplitudes add up to, m: no wave is higher, or deeper."""
+def sum_of_amplitudes(waves):
+    """In m: no wave is higher, or deeper."""
     height = 0.0
     for j in range(waves.shape[1]):
         height += waves[AMPLITUDE, j]
@@ -281,7 +281,7 @@ def _faded(cut, waves, ramp, position, t):
     """Share of the waves' motion at a place, and its gradient: 1 below the surface, 0 above it, a smooth step between."""
     if cut is None:
         return 1.0, zero(position)
-    height = crest(waves)
+    height = sum_of_amplitudes(waves)
     if position[len(position) - 1] <= -height:
         return 1.0, zero(position)
     surface, _, slope = elevation(waves, ramp, position, t)
