@@ -127,7 +127,7 @@ EFFECTS = (
             "waves.amplitude": 0.0, "waves.period": 10.0, "waves.direction": 0.0, "waves.phase": 0.0, "waves.spectrum": "none",
             "waves.significant_height": 0.0, "waves.peak_period": 10.0, "waves.peakedness": 3.3, "waves.components": 60, "waves.seed": 1,
             "waves.spreading_exponent": 0.0, "waves.table": (), "waves.record": (), "waves.ramp_time": 0.0,
-            "waves.surface": "held", "water.depth": 0.0,
+            "waves.surface": "held", "waves.exact": False, "water.depth": 0.0,
         },
         costs={
             "water and waves": {**_WATER, "waves.amplitude": 0.01, "waves.period": 1.0},
@@ -139,6 +139,14 @@ EFFECTS = (
         "wave_ramp", "waves that grow from the start", Given("waves.ramp_time"), ("waves.ramp_time",), needs=("water", "waves"),
         numbers=("waves.ramp_time",), native="always", left_out={"waves.ramp_time": 0.0},
         costs={"water and 20 waves that grow": {**_SEA, "waves.ramp_time": 100.0}},
+    ),
+    Effect(
+        "followed", "", Given("waves.spectrum") | Given("waves.table") | Given("waves.record"), ("waves.exact",),
+        needs=("water", "waves"), models=(CHAIN,), grids=(STAGGERED,), table=tables.followed, native="absent", told_to_peers=True,
+        costs={
+            "water and 200 waves": {**_SEA, "waves.components": 200},
+            "water and 200 waves, exact": {**_SEA, "waves.components": 200, "waves.exact": True},
+        },
     ),
     Effect(
         "finite_depth", "finite depth of the waves", Given("water.depth"), ("water.depth",), needs=("water", "waves"), native="absent",

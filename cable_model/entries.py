@@ -14,7 +14,7 @@ from cable_model.signals import INPUTS
 ABSENT, PRESENT, EITHER, ALWAYS = 0, 1, 2, 3
 KINDS = {"absent": ABSENT, "present": PRESENT, "either": EITHER, "always": ALWAYS}  # by their words in the table of effects
 # the tables that an entry takes, and their columns; of waves the rows, as many numbers of each component
-TABLES = {"current": 3, "current_table": 4, "waves": 9, "curve": 3, "relief": 6, "sections": 11, "line_bodies": 5}
+TABLES = {"current": 3, "current_table": 4, "waves": 10, "curve": 3, "relief": 6, "sections": 11, "line_bodies": 5}
 RELEASED = "released"  # beside the parts of a variant, and after them where they are told: whether the lower end is let go at the start
 SIZES, START, STEP, ADVANCE, NODES, OUTPUTS, SHAPE = range(7)  # what an entry is asked for, see fmu_src.native.export
 ROWS, COLUMNS = 9, 9  # of a path of the cable's ends

@@ -154,16 +154,17 @@ def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
 
 
 def table_of(rows: np.ndarray) -> np.ndarray:
-    """The table (9, k) of kernels.waves from rows of `components`: by rising wave number."""
+    """The table (10, k) of kernels.waves from rows of `components`: by rising wave number."""
     amplitude, frequency, number, direction, phase, depth = rows[np.argsort(rows[:, 2], kind="stable")].T
     cosine = np.cos(direction)
     deep = 1.0 - np.exp(-2.0 * number * np.where(depth > 0.0, depth, np.inf))
     speed = amplitude * frequency / deep
-    table = (amplitude, frequency, number, cosine, np.sin(direction), np.copysign(1.0, cosine), phase, depth, speed)
+    highest = np.full_like(amplitude, amplitude.sum())
+    table = (amplitude, frequency, number, cosine, np.sin(direction), np.copysign(1.0, cosine), phase, depth, speed, highest)
     return np.ascontiguousarray(table)
 
 
 def rows_of(table: np.ndarray) -> np.ndarray:
     """The inverse of `table_of`, but for the order."""
-    amplitude, frequency, number, cosine, sine, _, phase, depth, _ = table
+    amplitude, frequency, number, cosine, sine, _, phase, depth, _, _ = table
     return np.column_stack((amplitude, frequency, number, np.arctan2(sine, cosine), phase, depth))

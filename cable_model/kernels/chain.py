@@ -24,7 +24,7 @@ from cable_model.kernels.family import coefficients, coefficients_of_change
 from cable_model.kernels.fluid import flows, in_water_now
 from cable_model.kernels.fronts import TINY_STEP, aim_behind_front, follow_front, natural_step, set_off_again
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.layout import cut, state_size, vector_at, work_size
+from cable_model.kernels.layout import cut, state_size, vector_at, with_waves_followed, work_size
 from cable_model.kernels.parting import Event, breaks, due, has_gone, left, load_at_start, lose, lost, open_parting, resumes
 from cable_model.kernels.path import WINCH, arrival, winch_turns
 from cable_model.kernels.pending import build_bridge, equal_step, is_short, wait
@@ -147,7 +147,7 @@ def advance(parts, p, time, span, path, state, work):
 
     Where the cable parts within the step the status is PARTING, see parting.py: the rest is another call's, with what is left.
     """
-    parts = in_water_now(parts, p, state)
+    parts = with_waves_followed(parts.followed, in_water_now(parts, p, state), p, state, work)
     refused = _refused(parts, p, path, state, p[0].cable.length)
     if refused != header.OK:
         state[header.ERROR_TIME] = time

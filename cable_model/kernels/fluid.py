@@ -11,7 +11,9 @@ from cable_model.kernels.choice import by_presence, given
 from cable_model.kernels.header import START, STREAM, TIME
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
-from cable_model.kernels.waves import Ramp, count_until, grown, wave_motion
+from cable_model.kernels.wave_records import Records
+from cable_model.kernels.wave_sums import count_until
+from cable_model.kernels.waves import Ramp, grown, wave_motion, wave_motion_of
 
 
 class Stream(NamedTuple):
@@ -25,14 +27,16 @@ class Stream(NamedTuple):
 
 
 with_stream = given("stream")
-_with_flow = given("stream", "current_ramp", "wave_ramp")
+_with_flow = given("stream", "current_ramp", "wave_ramp", "followed")
 
 
 @kernel
 def in_water_now(parts, p, state):
-    """The parts with the start of the run, and the current that inputs give now."""
+    """The parts with the start of the run, and the current that inputs give now; no records of waves, see layout.with_waves_followed."""
     stream = Stream(state[STREAM], state[STREAM + 1], state[STREAM + 2], state[STREAM + 3], state[TIME])
-    return _with_flow(parts, stream, Ramp(state[START], p[0].current.ramp_time), Ramp(state[START], p[0].waves.ramp_time))
+    nothing = state[0:0]
+    records = Records(nothing.reshape((0, 1)), nothing.reshape((0, 1)), nothing.reshape((0, 1)))
+    return _with_flow(parts, stream, Ramp(state[START], p[0].current.ramp_time), Ramp(state[START], p[0].waves.ramp_time), records)
 
 
 @kernel
@@ -159,8 +163,20 @@ def current_motion(parts, position, t):
 @kernel
 def water_motion(parts, position, t):
     """Velocity, acceleration and velocity gradient of the water at a position: current plus waves."""
-    u, b, g = current_motion(parts, position, t)
     w, a, gw = wave_motion(parts, position, t)
+    return _with_current(parts, w, a, gw, position, t)
+
+
+@kernel
+def water_motion_of(parts, i, speed, position, t):
+    """The same for a point that records of waves follow, see wave_records.py, and that moves at a velocity."""
+    w, a, gw = wave_motion_of(parts, i, speed, position, t)
+    return _with_current(parts, w, a, gw, position, t)
+
+
+@kernel
+def _with_current(parts, w, a, gw, position, t):
+    u, b, g = current_motion(parts, position, t)
     if parts.current_table is None and parts.current_ramp is None and parts.stream is None:
         return add(u, w), a, add_matrix(g, gw)
     return add(u, w), add(b, a), add_matrix(g, gw)

@@ -155,6 +155,11 @@ def summand(function):
     return kernel(function, forceinline=True)
 
 
+def inlined(function):
+    """Like `kernel`, for what a loop over cells calls in one place: never by a call, which would pass what it returns through memory."""
+    return kernel(function, forceinline=True)
+
+
 def _compile_without_collecting(called_by_python):
     """Keep Python's garbage collector, which finds little in numba's many objects, out of compilation: a tenth of its time."""
     compile_or_load = called_by_python.compile

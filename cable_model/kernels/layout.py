@@ -13,6 +13,7 @@ from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
 from cable_model.kernels.sections import mesh_columns
 from cable_model.kernels.vector import axes
+from cable_model.kernels.wave_records import TERMS, Records, record_sizes, with_records
 
 
 class View(NamedTuple):
@@ -56,15 +57,94 @@ def state_size(parts, p):
         + mesh_columns(parts.sections) * (n - 1)
         + (3 * rows + kept + slider_count(parts.friction, n)) * columns
         + 2 * tensions
+        + _size_of_records(parts.followed, parts, p)
     )
 
 
 @kernel
 def work_size(parts, p):
+    return _room_of_steps(parts, p) + TERMS * _count(parts.followed, parts.waves)
+
+
+@kernel
+def _room_of_steps(parts, p):
     n = node_count(p)
     like = axes(parts.space, 0.0, 0.0, 0.0)
     rows, columns, _, _ = grid.shape(parts.box, parts.bending, n, like)
     return PATH + 3 * rows * columns + grid.scratch_size(parts.box, parts.bending, n, like)
+
+
+@kernel
+def _none(followed, waves):
+    return 0
+
+
+@kernel
+def _all(followed, waves):
+    return columns_of(waves)
+
+
+@kernel
+def _no_table(table):
+    return 0
+
+
+@kernel
+def _its_columns(table):
+    return table.shape[1]
+
+
+@kernel
+def _its_rows(table):
+    return table.shape[0]
+
+
+columns_of = by_presence(_no_table, _its_columns)
+rows_of = by_presence(_no_table, _its_rows)
+_count = by_presence(_none, _all)  # of the components of waves whose points are followed
+
+
+@kernel
+def _points(parts, p):
+    """Cells, the lower end and bodies on the cable, in this order: what reads the waves."""
+    return node_count(p) + rows_of(parts.line_bodies)
+
+
+@kernel
+def _surface_points(parts, p):
+    return 0 if parts.stretched is None and parts.cut is None else _points(parts, p)
+
+
+@kernel
+def _no_records(followed, parts, p):
+    return 0
+
+
+@kernel
+def _records(followed, parts, p):
+    water, surface = record_sizes(axes(parts.space, 0.0, 0.0, 0.0))
+    return _points(parts, p) * water + _surface_points(parts, p) * surface
+
+
+_size_of_records = by_presence(_no_records, _records)
+
+
+@kernel
+def with_waves_followed(followed, parts, p, state, work):
+    """The parts with the records of waves, which are the state's last numbers, where the part `followed` is present."""
+    water, surface = record_sizes(axes(parts.space, 0.0, 0.0, 0.0))
+    size = _size_of_records(followed, parts, p)
+    if size == 0:
+        return parts
+    count = _count(followed, parts.waves)
+    n, m = _points(parts, p), _surface_points(parts, p)
+    first, end, terms = state.shape[0] - size, state.shape[0], work[_room_of_steps(parts, p) :]
+    records = Records(
+        state[first : first + n * water].reshape((n, water)),
+        state[first + n * water : end].reshape((m, surface)),
+        terms[: TERMS * count].reshape((TERMS, count)),
+    )
+    return with_records(parts, records)
 
 
 @views

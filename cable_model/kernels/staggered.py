@@ -136,7 +136,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         up = mix(1.0 - split - SHARE, a_up, SHARE, a_low)
         speed = _slide(parts.winch, gains, arc + split * h, qi, mix(0.5, v_low, 0.5, v_up))
         low_w, up_w, low_q, up_q, low_v, up_v, low_up, up_low, inertia = cell_water(
-            parts.surface, parts, medium, cable, h, split, qi, middle, speed, low, up, v_low, v_up, time, gains
+            parts.surface, parts, medium, cable, h, split, qi, i, middle, speed, low, up, v_low, v_up, time, gains
         )
         down = upward(-cable.weight * h, like)
         low_r = axpy(h, apply(inertia, low), axpy(-split, down, sub(add(low_w, low_wound), pull)))
@@ -159,7 +159,7 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_from(cells, i, 3 + len(like), along)
         v_up = v_low
         a_up = a_low
-    end_r, end_d = lower_end_terms(parts.body, parts, body, problem.cable, gains, position, v_up, a_up, time)
+    end_r, end_d = lower_end_terms(parts.body, parts, body, problem.cable, gains, n - 1, position, v_up, a_up, time)
     store_matrix(bands, 2, lowest, add_matrix(carry_d, end_d))
     store_matrix(bands, 1, lowest, diagonal(0.0, like))
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))
@@ -206,7 +206,7 @@ def _bodies(bodies, parts, problem, gains, mesh, q, v, a, top, time, lowest, ban
             if int(bodies[j, ABOVE]) == section:
                 body = thickened(body_of(row_of(bodies, j), parts.water, problem.numbers), problem.numeric.thinnest)
                 more, by_velocity = lower_end_terms(
-                    True, parts, body, problem.cable, gains, position, load(v, i, top), load(a, i, top), time
+                    True, parts, body, problem.cable, gains, mesh.shape[0] + 1 + j, position, load(v, i, top), load(a, i, top), time
                 )  # fmt: skip
                 store(x, i, sub(load(x, i, top), more))
                 store_matrix(bands, 2, i, add_matrix(load_matrix(bands, 2, i, top), by_velocity))

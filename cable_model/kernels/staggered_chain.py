@@ -15,6 +15,7 @@ from cable_model.kernels.staggered import add_seabed, assemble, bent
 from cable_model.kernels.staggered_step import Gains, Winding, average, hold_anchor, keep_tensions, newton_step
 from cable_model.kernels.staggered_surface import lower_end_terms, lower_weight
 from cable_model.kernels.vector import axpy, dot, load, mix, norm, scale, store, store_from, unit, zero
+from cable_model.kernels.wave_records import NOBODY
 
 CELLS = 2  # at an end, that the force on what holds it asks for
 
@@ -240,7 +241,7 @@ def lower_end_tension(present, parts, problem, mesh, y, acceleration, t, positio
     gains = Gains(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, winding)
     v = load(y, n, position)
     a = load(acceleration, 0, position)
-    needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, position, v, a, time)
+    needed, needed_by = lower_end_terms(present, parts, problem.body, problem.cable, gains, NOBODY, position, v, a, time)
     lifted, _ = add_seabed(parts.seabed, parts, problem.ground, gains, mesh, 0, position, v, q, 0.0, s.contact, zero(v), needed_by)
     return dot(axpy(under_body(parts.seabed, problem.ground, mesh), lifted, needed), t)
 

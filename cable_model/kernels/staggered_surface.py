@@ -10,10 +10,10 @@ z_t are those of linear waves: products with their slopes are left out, and so a
 """
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.fluid import body_drag, water_motion
-from cable_model.kernels.jit import kernel
+from cable_model.kernels.fluid import body_drag, water_motion, water_motion_of
+from cable_model.kernels.jit import inlined, kernel
 from cable_model.kernels.staggered_water import SHARE, deep_body, deep_cell, element_water, turned_normal
-from cable_model.kernels.surface import cell_share, centre, level_over, share
+from cable_model.kernels.surface import cell_share, centre, level_over, level_over_point, share
 from cable_model.kernels.vector import (
     add,
     add_matrix,
@@ -33,27 +33,37 @@ from cable_model.kernels.vector import (
 )
 
 
-@kernel
-def _crossing(surface, parts, medium, cable, h, split, q, middle, speed, low, up, v_low, v_up, time, gains):
-    """A cell of which only a share may be wet: that share of drag, added mass and Froude-Krylov force, in the flow at its middle."""
+@inlined
+def _crossing(surface, parts, medium, cable, h, split, q, i, middle, speed, low, up, v_low, v_up, time, gains):
+    """A cell that may be wet in part."""
     height = middle[len(q) - 1]
     half = 0.5 * h * q[len(q) - 1]
     r = 0.5 * cable.diameter
-    level, level_rate = level_over(parts, middle, time, -height - abs(half) - r)
+    level, level_rate = level_over_point(parts, i, mix(0.5, v_low, 0.5, v_up), middle, time, -height - abs(half) - r)
     if height + abs(half) <= level - r:
-        return deep_cell(surface, parts, medium, cable, h, split, q, middle, speed, low, up, v_low, v_up, time, gains)
-    cell = cell_share(height - half - level, height + half - level, r, split)
+        return deep_cell(surface, parts, medium, cable, h, split, q, i, middle, speed, low, up, v_low, v_up, time, gains)
+    return _partly_wet(parts, medium, cable, h, split, q, i, middle, speed, low, up, v_low, v_up, time, gains, level, level_rate)
+
+
+@kernel
+def _partly_wet(parts, medium, cable, h, split, q, i, middle, speed, low, up, v_low, v_up, time, gains, level, level_rate):
+    """The wet share of a cell's drag, added mass and Froude-Krylov force, in the flow at the middle of that share."""
+    height = middle[len(q) - 1]
+    half = 0.5 * h * q[len(q) - 1]
+    cell = cell_share(height - half - level, height + half - level, 0.5 * cable.diameter, split)
     e = upward(1.0, q)
     place = axpy((cell.wet - 1.0) * abs(half), e, middle)
+    rises = (v_low[len(q) - 1] - level_rate, v_up[len(q) - 1] - level_rate)
+    drowns = abs(half) * (cell.w1 * rises[0] + cell.w2 * rises[1])
+    motion = water_motion_of(parts, i, axpy(drowns, e, mix(0.5, v_low, 0.5, v_up)), place, time)
     low_r, up_r, low_q, up_q, low_v, up_v, inertia = element_water(
-        parts.water, parts, medium, cable, h, split, q, place, speed, low, up, time, gains
+        parts.water, medium, cable, h, split, q, motion, speed, low, up, gains
     )
     added = add_matrix(inertia, diagonal(-cable.mass, q))
     lift = medium.displaced_mass * cable.gravity * h
     steep_low = axpy(h, apply(added, low), low_r)
     steep_up = axpy(h, apply(added, up), up_r)
-    flow, _, _ = water_motion(parts, place, time)
-    rises = (v_low[len(q) - 1] - level_rate, v_up[len(q) - 1] - level_rate)
+    flow, _, _ = motion
     moved = _added_energy(cell, medium.added_mass * h, split, q, sub(v_low, flow), sub(v_up, flow), rises, gains)
     low_low = add_matrix(moved[4], outer(mix(cell.w1, steep_low, -lift * cell.e11, e), upward(gains.r, q)))
     low_up = add_matrix(moved[5], outer(mix(cell.w2, steep_low, -lift * cell.e12, e), upward(gains.r, q)))
@@ -152,13 +162,13 @@ lower_weight = by_presence(_whole_weight, _weight_at_surface)  # of the lower no
 
 
 @kernel
-def _bobbing_body(surface, parts, body, cable, gains, position, v, a, time):
+def _bobbing_body(surface, parts, body, cable, gains, i, position, v, a, time):
     """A body of which only a share may be wet: that of the sphere of its volume."""
     r = body.radius
     height = position[len(v) - 1]
-    level, level_rate = level_over(parts, position, time, -height - r)
+    level, level_rate = level_over_point(parts, i, v, position, time, -height - r)
     if height <= level - r:
-        return deep_body(surface, parts, body, cable, gains, position, v, a, time)
+        return deep_body(surface, parts, body, cable, gains, i, position, v, a, time)
     wet, slope, bend = share(height - level, r)
     drop, by_height = centre(height - level, r)
     e = upward(1.0, v)
@@ -185,8 +195,8 @@ _body_terms = by_presence(deep_body, _bobbing_body)
 
 
 @kernel
-def lower_end_terms(present, parts, body, cable, gains, position, v, a, time):
-    """Residual of the body on the lower end, and its derivative by the end's velocity."""
+def lower_end_terms(present, parts, body, cable, gains, i, position, v, a, time):
+    """Residual of the body on the lower end, and its derivative by the end's velocity; `i` is its number for wave_records.py."""
     if present is None:
         return zero(v), diagonal(0.0, v)
-    return _body_terms(parts.surface, parts, body, cable, gains, position, v, a, time)
+    return _body_terms(parts.surface, parts, body, cable, gains, i, position, v, a, time)

@@ -14,8 +14,12 @@ so that its nodes are lifted by b h dE/dz1 and b h dE/dz2: where all is wet by b
 
 from typing import NamedTuple
 
+from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.waves import elevation, sum_of_amplitudes
+from cable_model.kernels.vector import zero
+from cable_model.kernels.wave_records import NOBODY
+from cable_model.kernels.wave_sums import HIGHEST
+from cable_model.kernels.waves import elevation_over
 
 SHORT = 0.02  # of R: differences of heights below it lose too many digits, and quadrature takes their place
 GAUSS = (0.1127016653792583, 0.5, 0.8872983346207417)
@@ -141,7 +145,7 @@ def cell_share(z1, z2, r, split):
 def _reach(waves):
     if waves is None:
         return 0.0
-    return sum_of_amplitudes(waves)
+    return waves[HIGHEST, 0]
 
 
 @kernel
@@ -155,18 +159,28 @@ def crest(parts):
 @kernel
 def level_over(parts, position, time, below):
     """Height of the surface over a place, and its rate, m/s; `below` the height 0 by more than waves reach, it may be taken as 0."""
-    if parts.waves is None:
-        return 0.0, 0.0
-    if parts.stretched is None and parts.cut is None:
-        return 0.0, 0.0
-    return _wavy_level(parts.waves, parts.wave_ramp, position, time, below)
+    return level_over_point(parts, NOBODY, zero(position), position, time, below)
 
 
 @kernel
-def _wavy_level(waves, ramp, position, time, below):
-    if waves is None:
+def level_over_point(parts, i, speed, position, time, below):
+    """The same over a point that records follow, see wave_records.py, and that moves at a velocity."""
+    if parts.stretched is None and parts.cut is None:
         return 0.0, 0.0
-    if below > _reach(waves):
+    return _level(parts.waves, parts, i, speed, position, time, below)
+
+
+@kernel
+def _still_level(waves, parts, i, speed, position, time, below):
+    return 0.0, 0.0
+
+
+@kernel
+def _wavy_level(waves, parts, i, speed, position, time, below):
+    if below > waves[HIGHEST, 0]:
         return 0.0, 0.0
-    height, rate, _ = elevation(waves, ramp, position, time)
+    height, rate, _ = elevation_over(parts, waves, i, speed, position, time)
     return height, rate
+
+
+_level = by_presence(_still_level, _wavy_level)

@@ -38,7 +38,7 @@ from cable_model.kernels.jit import kernel
 from cable_model.kernels.problem import NEUTRAL, cable_part, is_neutral, total_weight
 from cable_model.kernels.vector import add, axpy, dot, mix, norm, scale, sub, unit
 from cable_model.kernels.watch import MOVING, RATES, SIDEWAYS, SPEEDS, WAVES_SEEN
-from cable_model.kernels.waves import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
+from cable_model.kernels.wave_sums import AMPLITUDE, DEPTH, FREQUENCY, NUMBER
 
 EMERGED = 0.01  # of the cable's length: a top that heaves by less about the surface is no matter
 TOGETHER_WITHIN = 1e-3  # of the cable's length, from one end to the other at the start

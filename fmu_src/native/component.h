@@ -188,7 +188,7 @@ static void fill_tables(Instance *m)
     const double level[3] = {0.0, x[CURRENT_SPEED] * cos(x[CURRENT_DIRECTION]), x[CURRENT_SPEED] * sin(x[CURRENT_DIRECTION])};
     const double along = cos(x[WAVE_DIRECTION]);
     const double wave[OF_A_WAVE] = {x[WAVE_AMPLITUDE], omega, omega * omega / x[GRAVITY], along, sin(x[WAVE_DIRECTION]), copysign(1.0, along),
-                            x[WAVE_PHASE], 0.0, x[WAVE_AMPLITUDE] * omega};
+                            x[WAVE_PHASE], 0.0, x[WAVE_AMPLITUDE] * omega, x[WAVE_AMPLITUDE]};
     memset(m->level, 0, sizeof m->level);
     if (m->present[CURRENT] != 0.0)
         memcpy(m->level, level, sizeof level);

@@ -1,0 +1,571 @@
+"""Many waves at points that move: a record of what they do along a point's path, made anew where it ends.
+
+All components are summed once for many steps.  About a moment and along a straight path of velocity v, a component E exp(a s) with
+a = k v_z + i (k d.v - omega) is a polynomial in the time s since, and so is any sum of them; the point stays near the path, and the first
+two derivatives by the place lead to it.  The motion has a potential without sources, so that few of the derivatives are of their own:
+
+    w = sum Im E,  w_z = sum k Im E,  w_zz = sum k^2 Im E;  one along x instead of z takes another factor i d_x before E.
+
+A record serves as long as the first terms that it lacks, in time and away from the path, are less than TOLERANCE of the water's own
+motion.  Records are part of the state, so that what comes next does not depend on how it was reached.
+"""
+
+from typing import NamedTuple
+
+from cable_model.kernels.choice import by_presence, given
+from cable_model.kernels.jit import kernel, summand, summing
+from cable_model.kernels.vector import axpy, norm, sub, upward
+from cable_model.kernels.wave_sums import (
+    AMPLITUDE,
+    COSINE,
+    DEPTH,
+    FELT,
+    FREQUENCY,
+    NUMBER,
+    PHASE,
+    SIGN,
+    SINE,
+    SPEED,
+    angle_of,
+    circle,
+    count_until,
+    heights,
+    power,
+    water_sums,
+)
+
+ORDER = 6  # of the polynomials
+TOLERANCE = 5e-5  # of the root mean square of the acceleration; a fifth of it of that of the velocity
+NOBODY = -1  # instead of the number of a point: no record is to be used
+SURFACE_TOLERANCE = 10.0 * TOLERANCE  # likewise of the surface's rate and height, which move the water's motion by less than itself
+TERMS = 4
+AHEAD = 0.8  # of the last record's reach: how far from now the moment of the next is
+LEAST = 1e-4  # of what the waves are at the surface: what is less counts as so much
+RISE = 0.5 * FELT  # by how many exponents a component that is not felt at a record's moment may grow along its path
+# a record: moment, s; how far it serves in time, s, and from its path, m; place and velocity; then one polynomial after the other
+MOMENT, SPAN, WIDTH, PLACE = 0, 1, 2, 3
+IN_PLANE, IN_SPACE = 6, 15  # polynomials of the water: two or three components, and the derivatives of their own
+SURFACE_IN_PLANE, SURFACE_IN_SPACE = 3, 6  # of the surface: its height, slopes and curvatures
+
+
+class Records(NamedTuple):
+    """What the part `followed` is in a step: records of all points, and room for the terms of a sum."""
+
+    water: object  # (points, .)
+    surface: object  # (points, .)
+    terms: object  # (TERMS, components): E and a of a sum's components, real and imaginary
+
+
+with_records = given("followed")
+
+
+@kernel
+def record_sizes(like):
+    """How many numbers a record of the water and one of the surface have."""
+    head = PLACE + 2 * len(like)
+    if len(like) == 2:
+        return head + IN_PLANE * (ORDER + 1), head + SURFACE_IN_PLANE * (ORDER + 1) + 1
+    return head + IN_SPACE * (ORDER + 1), head + SURFACE_IN_SPACE * (ORDER + 1) + 1
+
+
+# -- terms
+
+
+@summand
+def _phasor(size, rise, angle):
+    c, s = circle(angle)
+    across = size * power(rise)
+    return across * c, across * s
+
+
+@kernel
+def _set_terms(waves, row, along, count, place, z, t, velocity, rise, terms):
+    """E of the components, of the sizes in a row of the table, at a place and moment, and a along a path that rises at `rise`."""
+    number, frequency, phase, size = waves[NUMBER], waves[FREQUENCY], waves[PHASE], waves[row]
+    to_x, to_y = waves[along], waves[SINE]
+    real, imaginary, grows, turns = terms[0], terms[1], terms[2], terms[3]
+    x, y, vx, vy = place[0], _y_of(place), velocity[0], _y_of(velocity)
+    for j in range(count):
+        angle = angle_of(number[j], to_x[j], to_y[j], x, y, frequency[j], t, phase[j])
+        real[j], imaginary[j] = _phasor(size[j], number[j] * z, angle)
+    for j in range(count):
+        grows[j] = number[j] * rise
+        turns[j] = number[j] * (to_x[j] * vx + to_y[j] * vy) - frequency[j]
+
+
+@kernel
+def _raise_terms(count, share, terms):
+    """Times a and a share: the next order's."""
+    real, imaginary, grows, turns = terms[0], terms[1], terms[2], terms[3]
+    for j in range(count):
+        r, i = share * real[j], share * imaginary[j]
+        real[j] = r * grows[j] - i * turns[j]
+        imaginary[j] = r * turns[j] + i * grows[j]
+
+
+@kernel
+def _y_of(v):
+    if len(v) == 2:
+        return 0.0
+    return v[1]
+
+
+@kernel
+def _row_of_directions(like):
+    """Of the cosines of the components' directions: in the plane 1 or -1."""
+    return SIGN if len(like) == 2 else COSINE
+
+
+# -- sums
+
+
+@summing
+def _add_in_plane(sign, waves, along, count, terms, record, at):
+    number, to_x, real, imaginary = waves[NUMBER], waves[along], terms[0], terms[1]
+    u = w = u_z = w_z = u_zz = w_zz = 0.0
+    for j in range(count):
+        k = number[j]
+        c, s = to_x[j] * real[j], imaginary[j]
+        u += c
+        w += s
+        u_z += k * c
+        w_z += k * s
+        u_zz += k * (k * c)
+        w_zz += k * (k * s)
+    step = ORDER + 1
+    record[at] += u
+    record[at + step] += sign * w
+    record[at + 2 * step] += sign * u_z
+    record[at + 3 * step] += w_z
+    record[at + 4 * step] += u_zz
+    record[at + 5 * step] += sign * w_zz
+
+
+@summing
+def _add_in_space(sign, waves, along, count, terms, record, at):
+    number, to_x, to_y, real, imaginary = waves[NUMBER], waves[along], waves[SINE], terms[0], terms[1]
+    u = v = w = u_z = v_z = w_z = w_xx = w_xy = 0.0
+    zzz = xzz = yzz = xxz = xyz = xxx = xxy = 0.0
+    for j in range(count):
+        k, x, y = number[j], to_x[j], to_y[j]
+        c, s = real[j], imaginary[j]
+        u += x * c
+        v += y * c
+        w += s
+        c *= k
+        s *= k
+        u_z += x * c
+        v_z += y * c
+        w_z += s
+        w_xx += x * (x * s)
+        w_xy += x * (y * s)
+        c *= k
+        s *= k
+        zzz += s
+        xzz += x * c
+        yzz += y * c
+        xxz += x * (x * s)
+        xyz += x * (y * s)
+        xxx += x * (x * (x * c))
+        xxy += x * (x * (y * c))
+    for k, value in enumerate(
+        (u, v, sign * w, sign * u_z, sign * v_z, w_z, w_xx, w_xy, sign * zzz, xzz, yzz, sign * xxz, sign * xyz, xxx, xxy)
+    ):
+        record[at + k * (ORDER + 1)] += value
+
+
+@summing
+def _add_surface_in_plane(waves, along, count, terms, record, at):
+    number, to_x, real, imaginary = waves[NUMBER], waves[along], terms[0], terms[1]
+    height = slope = curvature = 0.0
+    for j in range(count):
+        steep = number[j] * to_x[j]
+        height += real[j]
+        slope -= steep * imaginary[j]
+        curvature -= steep * (steep * real[j])
+    for k, value in enumerate((height, slope, curvature)):
+        record[at + k * (ORDER + 1)] += value
+
+
+@summing
+def _add_surface_in_space(waves, along, count, terms, record, at):
+    number, to_x, to_y, real, imaginary = waves[NUMBER], waves[along], waves[SINE], terms[0], terms[1]
+    height = slope_x = slope_y = xx = xy = yy = 0.0
+    for j in range(count):
+        x, y = number[j] * to_x[j], number[j] * to_y[j]
+        height += real[j]
+        slope_x -= x * imaginary[j]
+        slope_y -= y * imaginary[j]
+        xx -= x * (x * real[j])
+        xy -= x * (y * real[j])
+        yy -= y * (y * real[j])
+    for k, value in enumerate((height, slope_x, slope_y, xx, xy, yy)):
+        record[at + k * (ORDER + 1)] += value
+
+
+@summing
+def _squares(waves, count, terms):
+    """Sums of the squares of the terms, and of these times the squares of omega, k^3 and k^3 omega."""
+    number, frequency, real, imaginary = waves[NUMBER], waves[FREQUENCY], terms[0], terms[1]
+    all_of = faster = sharper = both = 0.0
+    for j in range(count):
+        square = real[j] * real[j] + imaginary[j] * imaginary[j]
+        quick = frequency[j] * frequency[j]
+        steep = number[j] * number[j] * number[j]
+        steep *= steep
+        all_of += square
+        faster += square * quick
+        sharper += square * steep
+        both += square * (quick * steep)
+    return all_of, faster, sharper, both
+
+
+@summing
+def _squares_at_surface(waves, row):
+    size, frequency = waves[row], waves[FREQUENCY]
+    all_of = faster = 0.0
+    for j in range(waves.shape[1]):
+        square = size[j] * size[j]
+        all_of += square
+        faster += square * (frequency[j] * frequency[j])
+    return all_of, faster
+
+
+# -- making a record
+
+
+@kernel
+def _add_family(sign, waves, along, count, place, z, velocity, t, records, record):
+    """Add what deep water's waves do (`sign` 1), or what a bottom mirrors (-1), to the polynomials; squares of terms, and the first one's
+    that is not there."""
+    terms = records.terms
+    rise = sign * velocity[len(velocity) - 1]
+    _set_terms(waves, SPEED, along, count, place, z, t, velocity, rise, terms)
+    squares = _squares(waves, count, terms)
+    first = PLACE + 2 * len(place)
+    for order in range(ORDER + 2):
+        if order > 0:
+            _raise_terms(count, 1.0 / order, terms)
+        if order <= ORDER and len(place) == 2:
+            _add_in_plane(sign, waves, along, count, terms, record, first + order)
+        elif order <= ORDER:
+            _add_in_space(sign, waves, along, count, terms, record, first + order)
+    missing, _, _, _ = _squares(waves, count, terms)
+    return squares, missing
+
+
+@kernel
+def _begin(record, place, velocity, moment):
+    for k in range(record.shape[0]):
+        record[k] = 0.0
+    record[MOMENT] = moment
+    for k in range(len(place)):
+        record[PLACE + k] = place[k]
+        record[PLACE + len(place) + k] = velocity[k]
+
+
+@kernel
+def _limit(record, squares, missing, least, velocity, tolerance):
+    """How far a record serves.  In time the acceleration lacks (n + 1) E_(n+1) s^n; at a distance e from the path it lacks
+    k^3 |v| E e^2/2 and omega k^3 E e^3/6, the velocity k^3 E e^3/6.  To |v| is added the water's, by which stretched heights move.
+    """
+    tiny = 1e-300
+    swift = tolerance * (max(squares[1], LEAST * LEAST * least[1]) + tiny) ** 0.5
+    quick = 0.2 * tolerance * (max(squares[0], LEAST * LEAST * least[0]) + tiny) ** 0.5
+    third, both = (squares[2] + tiny) ** 0.5, (squares[3] + tiny) ** 0.5
+    record[SPAN] = (swift / ((ORDER + 1) * (missing + tiny) ** 0.5)) ** (1.0 / ORDER)
+    width = min((6.0 * swift / both) ** (1.0 / 3.0), (6.0 * quick / third) ** (1.0 / 3.0))
+    speed = norm(velocity) + (0.5 * squares[0]) ** 0.5
+    record[WIDTH] = min(width, (2.0 * swift / (third * speed + tiny)) ** 0.5)
+
+
+@kernel
+def _in_deep_water(finite_depth, waves, along, count, place, velocity, t, records, record):
+    return _add_family(1.0, waves, along, count, place, place[len(place) - 1], velocity, t, records, record)
+
+
+@kernel
+def _over_bottom(finite_depth, waves, along, count, place, velocity, t, records, record):
+    squares, missing = _in_deep_water(None, waves, along, count, place, velocity, t, records, record)
+    depth = waves[DEPTH, 0]
+    if depth <= 0.0:
+        return squares, missing
+    z = min(-(place[len(place) - 1] + 2.0 * depth), 0.0)
+    deep = count_until(waves[NUMBER], FELT / -z) if z < 0.0 else waves.shape[1]
+    more, more_missing = _add_family(-1.0, waves, along, deep, place, z, velocity, t, records, record)
+    total = (squares[0] + more[0], squares[1] + more[1], squares[2] + more[2], squares[3] + more[3])
+    return total, missing + more_missing
+
+
+_both_families = by_presence(_in_deep_water, _over_bottom)
+
+
+@kernel
+def _renew_water(finite_depth, waves, records, record, position, velocity, t):
+    least = _squares_at_surface(waves, SPEED)
+    along = _row_of_directions(position)
+    ahead = AHEAD * record[SPAN]
+    tries = 0
+    while True:
+        place = axpy(ahead, velocity, position)
+        z = place[len(place) - 1]
+        if z > 0.0:  # where the waves do not end with z = 0 short ones would grow without end
+            ahead, place, z = 0.0, position, position[len(position) - 1]
+        _begin(record, place, velocity, t + ahead)
+        count = count_until(waves[NUMBER], FELT / -z) if z < 0.0 else waves.shape[1]
+        squares, missing = _both_families(finite_depth, waves, along, count, place, velocity, t + ahead, records, record)
+        _limit(record, squares, missing, least, velocity, TOLERANCE)
+        if count < waves.shape[1]:
+            record[SPAN] = min(record[SPAN], RISE / (waves[NUMBER, count] * abs(velocity[len(place) - 1]) + 1e-300))
+        tries += 1
+        if ahead < record[SPAN] or tries == 3:
+            return
+        ahead = AHEAD * record[SPAN]
+
+
+@kernel
+def _renew_surface(waves, records, record, position, velocity, t):
+    least = _squares_at_surface(waves, AMPLITUDE)
+    along = _row_of_directions(position)
+    first = PLACE + 2 * len(position)
+    ahead = AHEAD * record[SPAN]
+    tries = 0
+    while True:
+        place = axpy(ahead, velocity, position)
+        _begin(record, place, velocity, t + ahead)
+        _set_terms(waves, AMPLITUDE, along, waves.shape[1], place, 0.0, t + ahead, velocity, 0.0, records.terms)
+        squares = _squares(waves, waves.shape[1], records.terms)
+        for order in range(ORDER + 2):
+            if order > 0:
+                _raise_terms(waves.shape[1], 1.0 / order, records.terms)
+            if order <= ORDER and len(position) == 2:
+                _add_surface_in_plane(waves, along, waves.shape[1], records.terms, record, first + order)
+            elif order <= ORDER:
+                _add_surface_in_space(waves, along, waves.shape[1], records.terms, record, first + order)
+        missing, _, _, _ = _squares(waves, waves.shape[1], records.terms)
+        _limit(record, squares, missing, least, velocity, SURFACE_TOLERANCE)
+        tries += 1
+        if ahead < record[SPAN] or tries == 3:
+            return
+        ahead = AHEAD * record[SPAN]
+
+
+# -- reading it
+
+
+@kernel
+def _serves(record, position, t):
+    """Whether a record holds for a place and time; one of nothing does not."""
+    since = t - record[MOMENT]
+    if not abs(since) < record[SPAN]:
+        return False
+    far = 0.0
+    for k in range(len(position)):
+        away = position[k] - record[PLACE + k] - since * record[PLACE + len(position) + k]
+        far += away * away
+    return far < record[WIDTH] * record[WIDTH]
+
+
+@kernel
+def _polynomial(record, first, k, s):
+    """Value and rate of the polynomial k."""
+    at = first + k * (ORDER + 1)
+    value, rate = record[at + ORDER], 0.0
+    for order in range(ORDER - 1, -1, -1):
+        rate = rate * s + value
+        value = value * s + record[at + order]
+    return value, rate
+
+
+@kernel
+def _path(record, like):
+    """Where a record's path is at its moment, and its velocity."""
+    if len(like) == 2:
+        return (record[PLACE], record[PLACE + 1]), (record[PLACE + 2], record[PLACE + 3])
+    return (record[PLACE], record[PLACE + 1], record[PLACE + 2]), (record[PLACE + 3], record[PLACE + 4], record[PLACE + 5])
+
+
+@kernel
+def _read_in_plane(record, position, t):
+    """As wave_sums.water_sums.  The derivatives make complex numbers: u + iw falls with z as (u_z + i w_z)."""
+    s = t - record[MOMENT]
+    place, speed = _path(record, position)
+    ex, ez = sub(position, axpy(s, speed, place))
+    first = PLACE + 4
+    u, u_rate = _polynomial(record, first, 0, s)
+    w, w_rate = _polynomial(record, first, 1, s)
+    b, b_rate = _polynomial(record, first, 2, s)  # u_z = w_x
+    c, c_rate = _polynomial(record, first, 3, s)  # w_z = -u_x
+    d, d_rate = _polynomial(record, first, 4, s)  # u_zz = w_xz = -u_xx
+    e, e_rate = _polynomial(record, first, 5, s)  # w_zz = -u_xz = -w_xx
+    far_b, far_c = d * ez - e * ex, e * ez + d * ex
+    by_b, by_c = b + 0.5 * far_b, c + 0.5 * far_c
+    rate_b, rate_c = b_rate + 0.5 * (d_rate * ez - e_rate * ex), c_rate + 0.5 * (e_rate * ez + d_rate * ex)
+    b += far_b
+    c += far_c
+    velocity = (u - by_c * ex + by_b * ez, w + by_b * ex + by_c * ez)
+    acceleration = (
+        u_rate - rate_c * ex + rate_b * ez + c * speed[0] - b * speed[1],
+        w_rate + rate_b * ex + rate_c * ez - b * speed[0] - c * speed[1],
+    )
+    return velocity, acceleration, (b, c), (-c, 0.0, b, 0.0)
+
+
+@kernel
+def _quadratic(zzz, xzz, yzz, xxz, xyz, xxx, xxy, e):
+    """The change of the gradient over a distance: its xx, xy, xz, yz, zz."""
+    return (
+        xxx * e[0] + xxy * e[1] + xxz * e[2],
+        xxy * e[0] - (xzz + xxx) * e[1] + xyz * e[2],
+        xxz * e[0] + xyz * e[1] + xzz * e[2],
+        xyz * e[0] - (zzz + xxz) * e[1] + yzz * e[2],
+        xzz * e[0] + yzz * e[1] + zzz * e[2],
+    )
+
+
+@kernel
+def _applied(h, e):
+    """A gradient, symmetric and without divergence, as xx, xy, xz, yz, zz, times a vector."""
+    return (
+        h[0] * e[0] + h[1] * e[1] + h[2] * e[2],
+        h[1] * e[0] - (h[0] + h[4]) * e[1] + h[3] * e[2],
+        h[2] * e[0] + h[3] * e[1] + h[4] * e[2],
+    )
+
+
+@kernel
+def _sum(share, a, b):
+    return (share * a[0] + b[0], share * a[1] + b[1], share * a[2] + b[2], share * a[3] + b[3], share * a[4] + b[4])
+
+
+@kernel
+def _read_in_space(record, position, t):
+    s = t - record[MOMENT]
+    place, speed = _path(record, position)
+    e = sub(position, axpy(s, speed, place))
+    first = PLACE + 6
+    u, u_rate = _polynomial(record, first, 0, s)
+    v, v_rate = _polynomial(record, first, 1, s)
+    w, w_rate = _polynomial(record, first, 2, s)
+    xz, xz_rate = _polynomial(record, first, 3, s)
+    yz, yz_rate = _polynomial(record, first, 4, s)
+    zz, zz_rate = _polynomial(record, first, 5, s)
+    xx, xx_rate = _polynomial(record, first, 6, s)
+    xy, xy_rate = _polynomial(record, first, 7, s)
+    zzz, zzz_rate = _polynomial(record, first, 8, s)
+    xzz, xzz_rate = _polynomial(record, first, 9, s)
+    yzz, yzz_rate = _polynomial(record, first, 10, s)
+    xxz, xxz_rate = _polynomial(record, first, 11, s)
+    xyz, xyz_rate = _polynomial(record, first, 12, s)
+    xxx, xxx_rate = _polynomial(record, first, 13, s)
+    xxy, xxy_rate = _polynomial(record, first, 14, s)
+    near = (-xx, -xy, xz, yz, zz)
+    far = _quadratic(zzz, xzz, yzz, -xxz, -xyz, -xxx, -xxy, e)
+    gradient = _sum(1.0, far, near)
+    near_rate = (-xx_rate, -xy_rate, xz_rate, yz_rate, zz_rate)
+    far_rate = _quadratic(zzz_rate, xzz_rate, yzz_rate, -xxz_rate, -xyz_rate, -xxx_rate, -xxy_rate, e)
+    velocity = axpy(1.0, _applied(_sum(0.5, far, near), e), (u, v, w))
+    acceleration = axpy(1.0, _applied(_sum(0.5, far_rate, near_rate), e), (u_rate, v_rate, w_rate))
+    acceleration = axpy(-1.0, _applied(gradient, speed), acceleration)
+    xx, xy, xz, yz, zz = gradient
+    return velocity, acceleration, (xz, yz, zz), (xx, xy, 0.0, xy, -(xx + zz), 0.0, xz, yz, 0.0)
+
+
+@kernel
+def _summed(followed, finite_depth, waves, i, velocity, position, t):
+    return water_sums(finite_depth, waves, position, position[len(position) - 1], t)
+
+
+@kernel
+def _followed(followed, finite_depth, waves, i, velocity, position, t):
+    if i < 0 or i >= followed.water.shape[0]:
+        return water_sums(finite_depth, waves, position, position[len(position) - 1], t)
+    record = followed.water[i]
+    if not _serves(record, position, t):
+        _renew_water(finite_depth, waves, followed, record, position, velocity, t)
+    if len(position) == 2:
+        return _read_in_plane(record, position, t)
+    return _read_in_space(record, position, t)
+
+
+water_at = by_presence(_summed, _followed)
+"""As wave_sums.water_sums, at a place not above z = 0, for the point i that moves at a velocity; or for NOBODY."""
+
+
+@kernel
+def _surface_summed(followed, waves, i, velocity, position, t):
+    return heights(waves, position, t)
+
+
+@kernel
+def _flat(v):
+    return axpy(-v[len(v) - 1], upward(1.0, v), v)
+
+
+@kernel
+def _reads(records, i):
+    """Whose record a point reads; a state from outside may say anything."""
+    reads = records[i, records.shape[1] - 1]
+    return int(reads) if 0.0 <= reads < records.shape[0] else i
+
+
+@kernel
+def _surface_record(waves, followed, i, velocity, place, t):
+    """The point whose record serves the point i: of points above one another one has it, else each its own."""
+    records = followed.surface
+    last = records.shape[1] - 1
+    k = _reads(records, i)
+    if _serves(records[k], place, t):
+        return k
+    k = _reads(records, (i + 1) % records.shape[0])
+    if not _serves(records[k], place, t):
+        k = i
+        _renew_surface(waves, followed, records[i], place, velocity, t)
+    records[i, last] = k
+    return k
+
+
+@kernel
+def _surface_in_plane(record, s, e, speed):
+    first = PLACE + 4
+    height, rate = _polynomial(record, first, 0, s)
+    slope, slope_rate = _polynomial(record, first, 1, s)
+    curvature, curvature_rate = _polynomial(record, first, 2, s)
+    bent = slope + curvature * e
+    rate += e * (slope_rate + 0.5 * curvature_rate * e) - bent * speed
+    return height + e * (slope + 0.5 * curvature * e), rate, (bent, 0.0)
+
+
+@kernel
+def _surface_in_space(record, s, e, speed):
+    first = PLACE + 6
+    height, rate = _polynomial(record, first, 0, s)
+    x, x_rate = _polynomial(record, first, 1, s)
+    y, y_rate = _polynomial(record, first, 2, s)
+    xx, xx_rate = _polynomial(record, first, 3, s)
+    xy, xy_rate = _polynomial(record, first, 4, s)
+    yy, yy_rate = _polynomial(record, first, 5, s)
+    more_x, more_y = xx * e[0] + xy * e[1], xy * e[0] + yy * e[1]
+    height += e[0] * (x + 0.5 * more_x) + e[1] * (y + 0.5 * more_y)
+    rate += e[0] * (x_rate + 0.5 * (xx_rate * e[0] + xy_rate * e[1])) + e[1] * (y_rate + 0.5 * (xy_rate * e[0] + yy_rate * e[1]))
+    x += more_x
+    y += more_y
+    return height, rate - x * speed[0] - y * speed[1], (x, y, 0.0)
+
+
+@kernel
+def _surface_followed(followed, waves, i, velocity, position, t):
+    if i < 0 or i >= followed.surface.shape[0]:
+        return heights(waves, position, t)
+    place = _flat(position)
+    record = followed.surface[_surface_record(waves, followed, i, _flat(velocity), place, t)]
+    s = t - record[MOMENT]
+    begun, speed = _path(record, place)
+    e = sub(place, axpy(s, speed, begun))
+    if len(position) == 2:
+        return _surface_in_plane(record, s, e[0], speed[0])
+    return _surface_in_space(record, s, e, speed)
+
+
+surface_at = by_presence(_surface_summed, _surface_followed)
+"""As wave_sums.heights, likewise."""
