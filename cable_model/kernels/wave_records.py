@@ -10,6 +10,7 @@ A record serves as long as the first terms that it lacks, in time and away from 
 motion.  Records are part of the state, so that what comes next does not depend on how it was reached.
 """
 
+import math
 from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence, given
@@ -35,13 +36,15 @@ from cable_model.kernels.wave_sums import (
 )
 
 ORDER = 6  # of the polynomials
+FACTORIAL = 5040.0  # of the order after
+MOST_TURNED = 2.0**7  # that power of the largest angle
 TOLERANCE = 5e-5  # of the root mean square of the acceleration; a fifth of it of that of the velocity
 NOBODY = -1  # instead of the number of a point: no record is to be used
 SURFACE_TOLERANCE = 10.0 * TOLERANCE  # likewise of the surface's rate and height, which move the water's motion by less than itself
 TERMS = 4
 AHEAD = 0.8  # of the last record's reach: how far from now the moment of the next is
 LEAST = 1e-4  # of what the waves are at the surface: what is less counts as so much
-RISE = 0.5 * FELT  # by how many exponents a component that is not felt at a record's moment may grow along its path
+RISE = 0.5 * FELT  # by how many exponents a component that is not felt at a record's moment may grow along its path, and beside it
 # a record: moment, s; how far it serves in time, s, and from its path, m; place and velocity; then one polynomial after the other
 MOMENT, SPAN, WIDTH, PLACE = 0, 1, 2, 3
 IN_PLANE, IN_SPACE = 6, 15  # polynomials of the water: two or three components, and the derivatives of their own
@@ -268,15 +271,28 @@ def _begin(record, place, velocity, moment):
 def _limit(record, squares, missing, least, velocity, tolerance):
     """How far a record serves.  In time the acceleration lacks (n + 1) E_(n+1) s^n; at a distance e from the path it lacks
     k^3 |v| E e^2/2 and omega k^3 E e^3/6, the velocity k^3 E e^3/6.  To |v| is added the water's, by which stretched heights move.
+    Nor does it serve where these terms, of waves of the mean size, are not the first of series that fall.
     """
     tiny = 1e-300
-    swift = tolerance * (max(squares[1], LEAST * LEAST * least[1]) + tiny) ** 0.5
-    quick = 0.2 * tolerance * (max(squares[0], LEAST * LEAST * least[0]) + tiny) ** 0.5
-    third, both = (squares[2] + tiny) ** 0.5, (squares[3] + tiny) ** 0.5
-    record[SPAN] = (swift / ((ORDER + 1) * (missing + tiny) ** 0.5)) ** (1.0 / ORDER)
-    width = min((6.0 * swift / both) ** (1.0 / 3.0), (6.0 * quick / third) ** (1.0 / 3.0))
-    speed = norm(velocity) + (0.5 * squares[0]) ** 0.5
-    record[WIDTH] = min(width, (2.0 * swift / (third * speed + tiny)) ** 0.5)
+    size, third, both = math.sqrt(squares[0] + tiny), math.sqrt(squares[2] + tiny), math.sqrt(squares[3] + tiny)
+    swift = tolerance * math.sqrt(max(squares[1], LEAST * LEAST * least[1]) + tiny)
+    quick = 0.2 * tolerance * math.sqrt(max(squares[0], LEAST * LEAST * least[0]) + tiny)
+    last = math.sqrt(missing + tiny)
+    span = (swift / ((ORDER + 1) * last)) ** (1.0 / ORDER)
+    turned = FACTORIAL * last * (span * span * span) * (span * span * span) * span  # E times the angle by which the mean wave turns, ^(n+1)
+    if turned > MOST_TURNED * size:
+        span *= (MOST_TURNED * size / turned) ** (1.0 / (ORDER + 1))
+    record[SPAN] = span
+    speed = norm(velocity) + math.sqrt(0.5 * squares[0])
+    width = min(6.0 * swift / both, min(6.0 * quick, size) / third) ** (1.0 / 3.0)
+    record[WIDTH] = min(width, math.sqrt(2.0 * swift / (third * speed + tiny)))
+
+
+@kernel
+def _ahead(record):
+    """How far from now the moment of a new record is, by how far the last one served; 0 where that is no number."""
+    ahead = AHEAD * record[SPAN]
+    return ahead if 0.0 <= ahead < 1e3 else 0.0
 
 
 @kernel
@@ -304,7 +320,7 @@ _both_families = by_presence(_in_deep_water, _over_bottom)
 def _renew_water(finite_depth, waves, records, record, position, velocity, t):
     least = _squares_at_surface(waves, SPEED)
     along = _row_of_directions(position)
-    ahead = AHEAD * record[SPAN]
+    ahead = _ahead(record)
     tries = 0
     while True:
         place = axpy(ahead, velocity, position)
@@ -316,11 +332,13 @@ def _renew_water(finite_depth, waves, records, record, position, velocity, t):
         squares, missing = _both_families(finite_depth, waves, along, count, place, velocity, t + ahead, records, record)
         _limit(record, squares, missing, least, velocity, TOLERANCE)
         if count < waves.shape[1]:
-            record[SPAN] = min(record[SPAN], RISE / (waves[NUMBER, count] * abs(velocity[len(place) - 1]) + 1e-300))
+            rise = RISE / waves[NUMBER, count]
+            record[SPAN] = min(record[SPAN], rise / (abs(velocity[len(place) - 1]) + 1e-300))
+            record[WIDTH] = min(record[WIDTH], rise)
         tries += 1
         if ahead < record[SPAN] or tries == 3:
             return
-        ahead = AHEAD * record[SPAN]
+        ahead = _ahead(record)
 
 
 @kernel
@@ -328,7 +346,7 @@ def _renew_surface(waves, records, record, position, velocity, t):
     least = _squares_at_surface(waves, AMPLITUDE)
     along = _row_of_directions(position)
     first = PLACE + 2 * len(position)
-    ahead = AHEAD * record[SPAN]
+    ahead = _ahead(record)
     tries = 0
     while True:
         place = axpy(ahead, velocity, position)
@@ -347,7 +365,7 @@ def _renew_surface(waves, records, record, position, velocity, t):
         tries += 1
         if ahead < record[SPAN] or tries == 3:
             return
-        ahead = AHEAD * record[SPAN]
+        ahead = _ahead(record)
 
 
 # -- reading it
