@@ -17,6 +17,7 @@ from cable_model.scene import Scene, with_values
 from cable_model.signals import OUTPUTS
 
 SHAPES = 24  # snapshots kept for the picture
+WEIGHTLESS = 1e-6  # share of its weight in air below which a cable counts as weightless
 
 
 @dataclass
@@ -42,6 +43,16 @@ class Record:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.outputs[:, OUTPUTS.index(name)]
+
+    @property
+    def is_weightless(self) -> bool:
+        cable = self.scene.cable
+        return self.weight < WEIGHTLESS * cable.mass_per_length * cable.length * self.scene.environment.gravity
+
+    @property
+    def force_scale(self) -> float:
+        """W, or where there is no weight the largest tension at the top, N."""
+        return float(self["top.tension"].max()) if self.is_weightless else self.weight
 
     @property
     def reached(self) -> float:

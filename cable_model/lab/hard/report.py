@@ -11,6 +11,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 from cable_model.errors import writing
 from cable_model.lab.hard import basin
@@ -19,6 +20,7 @@ from cable_model.lab.hard.runner import Verdict
 
 HEAD = ("case", "run", "reached", "steps", "rejected", "energy excess / W L", "drift / L", "refined: path / L, then", "verdict")
 MOST_LINES = 6  # runs that a picture overlays
+AT_REST = 1e-3  # of L: what a picture of places shows at least, so that rounding does not look like motion
 
 
 def _number(verdict: Verdict, words: str) -> str:
@@ -83,6 +85,15 @@ def picture_name(key: str) -> str:
     return key.replace(" ", "_").lower() + ".png"
 
 
+def _widen(axis: Axes, least: float) -> None:
+    """Let an axis span at least so much, m, both ways."""
+    for limits, set_limits in ((axis.get_xlim(), axis.set_xlim), (axis.get_ylim(), axis.set_ylim)):
+        low, high = limits
+        if high - low < least:
+            middle = 0.5 * (low + high)
+            set_limits(middle - 0.5 * least, middle + 0.5 * least)
+
+
 def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
     """Top tension, the path that is compared, shapes and the energy excess of the first runs of a case."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,18 +104,22 @@ def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
     for verdict in shown:
         run = verdict.run
         thin = slice(None, None, max(1, len(run.times) // 2000))
-        axes["tension"].plot(run.times[thin], run["top.tension"][thin] / (run.weight or 1.0), linewidth=0.8, label=verdict.variant.label)
+        per = 1.0 if run.is_weightless else run.weight
+        axes["tension"].plot(run.times[thin], run["top.tension"][thin] / per, linewidth=0.8, label=verdict.variant.label)
         axes["path"].plot(run.followed[thin, 0], run.followed[thin, 2], linewidth=0.6)
         if len(run.excess):
-            scale = max(run.weight, 1e-3 * float(run["top.tension"].max())) * run.scene.cable.length
-            axes["energy"].plot(run.times[thin], run.excess[thin] / scale, linewidth=0.8)
+            axes["energy"].plot(run.times[thin], run.excess[thin] / (run.force_scale * run.scene.cable.length), linewidth=0.8)
     if shown:
         shapes = shown[0].run.shapes
         for shade, shape in zip(np.linspace(0.15, 1.0, len(shapes)), shapes, strict=True):
             axes["shape"].plot(shape[:, 0], shape[:, 2], color="tab:blue", alpha=shade, linewidth=0.8)
         axes["tension"].legend(fontsize=6)
-    axes["tension"].set(xlabel="time [s]", ylabel="top tension / W")
-    axes["energy"].set(xlabel="time [s]", ylabel="(energy - start - work) / W L")
+        for name in ("path", "shape"):
+            _widen(axes[name], AT_REST * shown[0].run.scene.cable.length)
+    weightless = bool(shown) and shown[0].run.is_weightless
+    axes["tension"].set(xlabel="time [s]", ylabel="top tension [N]" if weightless else "top tension / W")
+    force = "largest top tension" if weightless else "W"
+    axes["energy"].set(xlabel="time [s]", ylabel=f"(energy - start - work) / {force} L")
     axes["path"].set(xlabel="x [m]", ylabel="z [m]", title=f"path of the {'middle' if shown and shown[0].run.held else 'lower end'}")
     axes["shape"].set(xlabel="x [m]", ylabel="z [m]", title="shapes of the first run")
     for axis in axes.values():

@@ -11,7 +11,6 @@ from cable_model.lab.hard.record import Record
 SMALL_STEP = 1e-4  # of the base step: smaller ones are allowed for SLOW_SHARE of the run
 SLOW_SHARE = 0.01
 ENERGY = 0.01  # of W L
-WEIGHTLESS = 1e-6  # share of its weight in air below which a cable counts as weightless
 ARC = 1e-6  # of L
 DRIFT, DRIFT_IN_CHAOS = 1e-3, 2e-2  # of L
 COMPRESSION = 0.01  # of W
@@ -44,11 +43,7 @@ def finishes(run: Record, duration: float) -> Finding:
 
 def keeps_energy(run: Record) -> Finding:
     """(b) Energy never exceeds its start plus the work done on the cable, less what damping took, by more than 1 % of W L."""
-    cable = run.scene.cable
-    scale = run.weight * cable.length
-    if run.weight < WEIGHTLESS * cable.mass_per_length * cable.length * run.scene.environment.gravity:
-        scale = float(run["top.tension"].max()) * cable.length  # no weight: the tow's force instead
-    return _below("b", run.excess.max() / scale, ENERGY, "energy excess over W L")
+    return _below("b", run.excess.max() / (run.force_scale * run.scene.cable.length), ENERGY, "energy excess over W L")
 
 
 def keeps_geometry(run: Record, chaos: float) -> list[Finding]:
