@@ -141,8 +141,9 @@ EFFECTS = (
         costs={"water and 20 waves that grow": {**_SEA, "waves.ramp_time": 100.0}},
     ),
     Effect(
-        "followed", "", Given("waves.spectrum") | Given("waves.table") | Given("waves.record"), ("waves.exact",),
-        needs=("water", "waves"), models=(CHAIN,), grids=(STAGGERED,), table=tables.followed, native="absent", told_to_peers=True,
+        "followed", "", (Given("waves.spectrum") | Given("waves.table") | Given("waves.record")) & ~Given("waves.exact"), ("waves.exact",),
+        needs=("water", "waves"), models=(CHAIN,), grids=(STAGGERED,), instead="all components are summed",
+        native="absent", told_to_peers=True,
         costs={
             "water and 200 waves": {**_SEA, "waves.components": 200},
             "water and 200 waves, exact": {**_SEA, "waves.components": 200, "waves.exact": True},

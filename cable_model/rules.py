@@ -83,6 +83,7 @@ RULES = (
         "Give waves, or remove it: the cable's bottom is [seabed].",
     ),
     Rule(Given("waves.ramp_time") & ~SEA, "waves.ramp_time", "0 without waves", "Give waves, or remove it."),
+    Rule(Given("waves.exact") & ~SEA, "waves.exact", "false without waves", "Give waves, or remove it."),
     Rule(
         Given("current.ramp_time") & ~(Given("current.speed") | LEVELS | CHANGING), "current.ramp_time", "0 without a current",
         "Give a current, or remove it.",

@@ -10,8 +10,6 @@ import numpy as np
 from cable_model.sea import components, table_of
 from cable_model.sections import pieces
 
-MANY = 16  # waves
-
 
 def current(scene: Any) -> np.ndarray:
     """Rows of z, velocity x, velocity y (m, m/s), sorted by rising z."""
@@ -30,12 +28,6 @@ def waves(scene: Any) -> np.ndarray | None:
     """The table of kernels.waves."""
     rows = components(scene.waves, scene.environment.gravity, scene.water.depth)
     return None if rows is None else table_of(rows)
-
-
-def followed(scene: Any) -> bool | None:
-    """Whether records of the waves pay, as they do where there are many; unless they are to be exact."""
-    table = None if scene.waves.exact else waves(scene)
-    return True if table is not None and table.shape[1] >= MANY else None
 
 
 def stiffness_curve(scene: Any) -> np.ndarray:

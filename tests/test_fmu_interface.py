@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 NOT_IN_FMUS = {
     "cable.stiffness_curve", "cable.section", "cable.body", "seabed.profile", "seabed.grid",
     "lower_end.released", "water.depth", "waves.spectrum", "waves.significant_height", "waves.peak_period",
-    "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent",
+    "waves.peakedness", "waves.components", "waves.seed", "waves.table", "waves.surface", "waves.spreading_exponent", "waves.exact",
     "waves.record", "winch.speeds", "current.levels", "current.table", "top.position", "top.motion", "top.table",
     "lower.position", "lower.motion", "lower.table", "run.duration", "run.output_step", "run.model",
 }  # fmt: skip

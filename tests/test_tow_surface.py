@@ -17,6 +17,7 @@ from cable_model.kernels.problem import body_part, cable_part
 from cable_model.kernels.staggered_step import Gains
 from cable_model.kernels.staggered_surface import _bobbing_body
 from cable_model.kernels.tow_water_space import body_water_in_space
+from cable_model.kernels.wave_records import NOBODY
 from cable_model.scene import from_dict, load, with_values
 from cable_model.simulated import numbers_of
 from cable_model.tow_cable import TowCable
@@ -205,7 +206,7 @@ def test_a_body_in_waves_takes_from_the_surface_what_it_takes_on_the_chain(waves
         top = (tuple(place - length * e), tuple(v - length * w), (0.0, 0.0, 0.0))
         swing = tow_space.Swing(tuple(e), tuple(w), (), ())
         force, mass_x, mass_z = body_water_in_space(True, True, parts, c, top, 1.3, swing, u, 0.0)
-        chain, _ = _bobbing_body(True, parts, body, cable, NO_GAINS, tuple(place), tuple(v), tuple(a), 1.3)
+        chain, _ = _bobbing_body(True, parts, body, cable, NO_GAINS, NOBODY, tuple(place), tuple(v), tuple(a), 1.3)
         straight = np.array([mass_x, mass_x, mass_z]) * a - force + [0.0, 0.0, c.body_weight]
         assert straight == pytest.approx(chain, rel=1e-9, abs=1e-9)
         seen += mass_x < c.mass_x

@@ -1,4 +1,4 @@
-"""Records of many waves along the paths of points: they are the sum of all components, to a stated share, wherever and whenever it is asked."""
+"""Records of many waves along the paths of points are the sums of all components, within a stated share, wherever and whenever one asks."""
 
 import dataclasses
 import math
@@ -9,9 +9,10 @@ from chain_support import drive, every, make, scene_of, swing
 
 from cable_model.cable_chain import CableChain
 from cable_model.effects import Parts
+from cable_model.errors import ParameterError
 from cable_model.kernels import wave_records
-from cable_model.kernels.waves import elevation, wave_motion, wave_motion_of
 from cable_model.kernels.wave_sums import circle, power
+from cable_model.kernels.waves import wave_motion, wave_motion_of
 from cable_model.model import compiled
 from cable_model.parameters import Waves
 from cable_model.sea import components, table_of
@@ -65,7 +66,7 @@ def path(depth: float, speed: float, t: float, dimension: int) -> tuple[np.ndarr
 
 
 def scales(sea: np.ndarray, z: float) -> np.ndarray:
-    """Root mean squares at a height, of velocity, acceleration and gradient; what is less than LEAST of that at the surface counts as that."""
+    """Root mean squares at a height, of velocity, acceleration and gradient; at least LEAST of those at the surface."""
     amplitude, omega, k, _, _, depth = sea.T
     bottom = np.where(depth > 0.0, depth, math.inf)
     each = [amplitude * omega * factor for factor in (1.0, omega, math.sqrt(2.0) * k)]
@@ -227,13 +228,19 @@ def test_a_state_from_outside_cannot_lead_astray(forged):
 
 
 def test_few_waves_are_summed():
-    few, many, exact = make(WIRE, waves__components=15), make(WIRE, waves__components=16), make(WIRE, waves__exact=True)
-    assert few.parts.followed is None and exact.parts.followed is None
-    assert len(few.state) == len(exact.state) == len(make(WIRE, waves__components=1).state) < len(many.state)
-    table = [[0.1, 4.0 + 0.1 * k, 0.0, 0.3 * k] for k in range(16)]
-    assert make({**WIRE, "waves": {"table": table}}).parts.followed is True
-    assert make({**WIRE, "waves": {"table": table[:15]}}).parts.followed is None
-    assert make({**WIRE, "waves": {"amplitude": 1.0, "period": 6.0}}).parts.followed is None
+    plain = len(make({**WIRE, "waves": {"amplitude": 1.0, "period": 6.0}}).state)
+    many = wave_records.MANY
+    table = [[0.1, 4.0 + 0.1 * k, 0.0, 0.3 * k] for k in range(many)]
+    for waves, are in (
+        ({**SEA, "components": many - 1}, False), ({**SEA, "components": many}, True), ({**SEA, "exact": True}, False),
+        ({"table": table}, True), ({"table": table[1:]}, False), ({"table": table, "exact": True}, False),
+    ):  # fmt: skip
+        assert (len(make({**WIRE, "waves": waves}).state) > plain) == are, waves
+
+
+def test_exactly_is_asked_of_waves_alone():
+    with pytest.raises(ParameterError, match=r"waves\.exact = True: must be false without waves\. Give waves, or remove it\."):
+        scene_of({**WIRE, "waves": {"exact": True}})
 
 
 def test_the_series_of_a_component():

@@ -13,7 +13,7 @@ from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
 from cable_model.kernels.sections import mesh_columns
 from cable_model.kernels.vector import axes
-from cable_model.kernels.wave_records import TERMS, Records, record_sizes, with_records
+from cable_model.kernels.wave_records import MANY, TERMS, Records, record_sizes, with_records
 
 
 class View(NamedTuple):
@@ -122,6 +122,8 @@ def _no_records(followed, parts, p):
 
 @kernel
 def _records(followed, parts, p):
+    if columns_of(parts.waves) < MANY:
+        return 0
     water, surface = record_sizes(axes(parts.space, 0.0, 0.0, 0.0))
     return _points(parts, p) * water + _surface_points(parts, p) * surface
 

@@ -36,8 +36,7 @@ def _some_water(water, parts, i, speed, position, time):
 _water_at = by_presence(_no_water, _some_water)
 
 
-@inlined
-def element_water(water, medium, cable, h, split, q, motion, speed, low, up, gains):
+def _element_water(water, medium, cable, h, split, q, motion, speed, low, up, gains):
     """Added mass, Froude-Krylov force and drag of a cell that moves at `speed` where the water has this motion.
 
     Returns residual shares of the lower and the upper node, their derivatives by q, by the cell's velocity and by its
@@ -74,6 +73,10 @@ def element_water(water, medium, cable, h, split, q, motion, speed, low, up, gai
     return low_r, up_r, low_q, up_q, low_v, up_v, inertia
 
 
+element_water = kernel(_element_water)
+_element_water_here = inlined(_element_water)
+
+
 @kernel
 def turned_normal(normal, x, t):
     """-l d(N x)/dq at fixed x: N (t.x) + t (N x)."""
@@ -84,7 +87,7 @@ def turned_normal(normal, x, t):
 def deep_cell(surface, parts, medium, cable, h, split, q, i, middle, speed, low, up, v_low, v_up, time, gains):
     """A cell that is wet all through, or in air."""
     motion = _water_at(parts.water, parts, i, mix(0.5, v_low, 0.5, v_up), middle, time)
-    low_r, up_r, low_q, up_q, low_v, up_v, inertia = element_water(
+    low_r, up_r, low_q, up_q, low_v, up_v, inertia = _element_water_here(
         parts.water, medium, cable, h, split, q, motion, speed, low, up, gains
     )
     return low_r, up_r, low_q, up_q, low_v, up_v, low_v, up_v, inertia

@@ -35,6 +35,7 @@ from cable_model.kernels.wave_sums import (
     water_sums,
 )
 
+MANY = 16  # components: fewer are summed
 ORDER = 6  # of the polynomials
 FACTORIAL = 5040.0  # of the order after
 MOST_TURNED = 2.0**7  # that power of the largest angle
