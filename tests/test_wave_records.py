@@ -10,7 +10,7 @@ from chain_support import drive, every, make, scene_of, swing
 from cable_model.cable_chain import CableChain
 from cable_model.effects import Parts
 from cable_model.errors import ParameterError
-from cable_model.kernels import wave_records
+from cable_model.kernels import wave_records, wave_terms
 from cable_model.kernels.wave_sums import circle, power
 from cable_model.kernels.waves import wave_motion, wave_motion_of
 from cable_model.model import compiled
@@ -32,7 +32,7 @@ def rows(depth: float, spreading: float, **changes: object) -> np.ndarray:
 def followed(table: np.ndarray, dimension: int, points: int = 1, **parts: object) -> Parts:
     water, surface = wave_records.record_sizes((0.0,) * dimension)
     records = wave_records.Records(
-        np.zeros((points, water)), np.zeros((points, surface)), np.zeros((wave_records.TERMS, table.shape[1])),
+        np.zeros((points, water)), np.zeros((points, surface)), np.zeros((wave_terms.TERMS, table.shape[1])),
     )  # fmt: skip
     return Parts(water=True, waves=table, followed=records, **parts)
 

@@ -13,7 +13,8 @@ from cable_model.kernels.path import COLUMNS, PATH, ROWS
 from cable_model.kernels.problem import node_count
 from cable_model.kernels.sections import mesh_columns
 from cable_model.kernels.vector import axes
-from cable_model.kernels.wave_records import MANY, TERMS, Records, record_sizes, with_records
+from cable_model.kernels.wave_records import MANY, Records, record_sizes, with_records
+from cable_model.kernels.wave_terms import TERMS
 
 
 class View(NamedTuple):

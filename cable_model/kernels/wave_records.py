@@ -14,35 +14,26 @@ import math
 from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence, given
-from cable_model.kernels.jit import kernel, summand, summing
-from cable_model.kernels.vector import axpy, norm, sub, upward
-from cable_model.kernels.wave_sums import (
-    AMPLITUDE,
-    COSINE,
-    DEPTH,
-    FELT,
-    FREQUENCY,
-    NUMBER,
-    PHASE,
-    SIGN,
-    SINE,
-    SPEED,
-    angle_of,
-    circle,
-    count_until,
-    heights,
-    power,
-    water_sums,
+from cable_model.kernels.jit import kernel
+from cable_model.kernels.vector import axpy, norm, sub
+from cable_model.kernels.wave_sums import DEPTH, FELT, NUMBER, SPEED, count_until, water_sums
+from cable_model.kernels.wave_terms import (
+    ORDER,
+    add_in_plane,
+    add_in_space,
+    raise_terms,
+    row_of_directions,
+    set_terms,
+    square_sums,
+    square_sums_at_surface,
 )
 
 MANY = 16  # components: fewer are summed
-ORDER = 6  # of the polynomials
 FACTORIAL = 5040.0  # of the order after
 MOST_TURNED = 2.0**7  # that power of the largest angle
 TOLERANCE = 5e-5  # of the root mean square of the acceleration; a fifth of it of that of the velocity
 NOBODY = -1  # instead of the number of a point: no record is to be used
-SURFACE_TOLERANCE = 10.0 * TOLERANCE  # likewise of the surface's rate and height, which move the water's motion by less than itself
-TERMS = 4
+MOST_TRIES = 3  # to make a record, of which the last is about now
 AHEAD = 0.8  # of the last record's reach: how far from now the moment of the next is
 LEAST = 1e-4  # of what the waves are at the surface: what is less counts as so much
 RISE = 0.5 * FELT  # by how many exponents a component that is not felt at a record's moment may grow along its path, and beside it
@@ -72,194 +63,8 @@ def record_sizes(like):
     return head + IN_SPACE * (ORDER + 1), head + SURFACE_IN_SPACE * (ORDER + 1) + 1
 
 
-# -- terms
-
-
-@summand
-def _phasor(size, rise, angle):
-    c, s = circle(angle)
-    across = size * power(rise)
-    return across * c, across * s
-
-
 @kernel
-def _set_terms(waves, row, along, count, place, z, t, velocity, rise, terms):
-    """E of the components, of the sizes in a row of the table, at a place and moment, and a along a path that rises at `rise`."""
-    number, frequency, phase, size = waves[NUMBER], waves[FREQUENCY], waves[PHASE], waves[row]
-    to_x, to_y = waves[along], waves[SINE]
-    real, imaginary, grows, turns = terms[0], terms[1], terms[2], terms[3]
-    x, y, vx, vy = place[0], _y_of(place), velocity[0], _y_of(velocity)
-    for j in range(count):
-        angle = angle_of(number[j], to_x[j], to_y[j], x, y, frequency[j], t, phase[j])
-        real[j], imaginary[j] = _phasor(size[j], number[j] * z, angle)
-    for j in range(count):
-        grows[j] = number[j] * rise
-        turns[j] = number[j] * (to_x[j] * vx + to_y[j] * vy) - frequency[j]
-
-
-@kernel
-def _raise_terms(count, share, terms):
-    """Times a and a share: the next order's."""
-    real, imaginary, grows, turns = terms[0], terms[1], terms[2], terms[3]
-    for j in range(count):
-        r, i = share * real[j], share * imaginary[j]
-        real[j] = r * grows[j] - i * turns[j]
-        imaginary[j] = r * turns[j] + i * grows[j]
-
-
-@kernel
-def _y_of(v):
-    if len(v) == 2:
-        return 0.0
-    return v[1]
-
-
-@kernel
-def _row_of_directions(like):
-    """Of the cosines of the components' directions: in the plane 1 or -1."""
-    return SIGN if len(like) == 2 else COSINE
-
-
-# -- sums
-
-
-@summing
-def _add_in_plane(sign, waves, along, count, terms, record, at):
-    number, to_x, real, imaginary = waves[NUMBER], waves[along], terms[0], terms[1]
-    u = w = u_z = w_z = u_zz = w_zz = 0.0
-    for j in range(count):
-        k = number[j]
-        c, s = to_x[j] * real[j], imaginary[j]
-        u += c
-        w += s
-        u_z += k * c
-        w_z += k * s
-        u_zz += k * (k * c)
-        w_zz += k * (k * s)
-    step = ORDER + 1
-    record[at] += u
-    record[at + step] += sign * w
-    record[at + 2 * step] += sign * u_z
-    record[at + 3 * step] += w_z
-    record[at + 4 * step] += u_zz
-    record[at + 5 * step] += sign * w_zz
-
-
-@summing
-def _add_in_space(sign, waves, along, count, terms, record, at):
-    number, to_x, to_y, real, imaginary = waves[NUMBER], waves[along], waves[SINE], terms[0], terms[1]
-    u = v = w = u_z = v_z = w_z = w_xx = w_xy = 0.0
-    zzz = xzz = yzz = xxz = xyz = xxx = xxy = 0.0
-    for j in range(count):
-        k, x, y = number[j], to_x[j], to_y[j]
-        c, s = real[j], imaginary[j]
-        u += x * c
-        v += y * c
-        w += s
-        c *= k
-        s *= k
-        u_z += x * c
-        v_z += y * c
-        w_z += s
-        w_xx += x * (x * s)
-        w_xy += x * (y * s)
-        c *= k
-        s *= k
-        zzz += s
-        xzz += x * c
-        yzz += y * c
-        xxz += x * (x * s)
-        xyz += x * (y * s)
-        xxx += x * (x * (x * c))
-        xxy += x * (x * (y * c))
-    for k, value in enumerate(
-        (u, v, sign * w, sign * u_z, sign * v_z, w_z, w_xx, w_xy, sign * zzz, xzz, yzz, sign * xxz, sign * xyz, xxx, xxy)
-    ):
-        record[at + k * (ORDER + 1)] += value
-
-
-@summing
-def _add_surface_in_plane(waves, along, count, terms, record, at):
-    number, to_x, real, imaginary = waves[NUMBER], waves[along], terms[0], terms[1]
-    height = slope = curvature = 0.0
-    for j in range(count):
-        steep = number[j] * to_x[j]
-        height += real[j]
-        slope -= steep * imaginary[j]
-        curvature -= steep * (steep * real[j])
-    for k, value in enumerate((height, slope, curvature)):
-        record[at + k * (ORDER + 1)] += value
-
-
-@summing
-def _add_surface_in_space(waves, along, count, terms, record, at):
-    number, to_x, to_y, real, imaginary = waves[NUMBER], waves[along], waves[SINE], terms[0], terms[1]
-    height = slope_x = slope_y = xx = xy = yy = 0.0
-    for j in range(count):
-        x, y = number[j] * to_x[j], number[j] * to_y[j]
-        height += real[j]
-        slope_x -= x * imaginary[j]
-        slope_y -= y * imaginary[j]
-        xx -= x * (x * real[j])
-        xy -= x * (y * real[j])
-        yy -= y * (y * real[j])
-    for k, value in enumerate((height, slope_x, slope_y, xx, xy, yy)):
-        record[at + k * (ORDER + 1)] += value
-
-
-@summing
-def _squares(waves, count, terms):
-    """Sums of the squares of the terms, and of these times the squares of omega, k^3 and k^3 omega."""
-    number, frequency, real, imaginary = waves[NUMBER], waves[FREQUENCY], terms[0], terms[1]
-    all_of = faster = sharper = both = 0.0
-    for j in range(count):
-        square = real[j] * real[j] + imaginary[j] * imaginary[j]
-        quick = frequency[j] * frequency[j]
-        steep = number[j] * number[j] * number[j]
-        steep *= steep
-        all_of += square
-        faster += square * quick
-        sharper += square * steep
-        both += square * (quick * steep)
-    return all_of, faster, sharper, both
-
-
-@summing
-def _squares_at_surface(waves, row):
-    size, frequency = waves[row], waves[FREQUENCY]
-    all_of = faster = 0.0
-    for j in range(waves.shape[1]):
-        square = size[j] * size[j]
-        all_of += square
-        faster += square * (frequency[j] * frequency[j])
-    return all_of, faster
-
-
-# -- making a record
-
-
-@kernel
-def _add_family(sign, waves, along, count, place, z, velocity, t, records, record):
-    """Add what deep water's waves do (`sign` 1), or what a bottom mirrors (-1), to the polynomials; squares of terms, and the first one's
-    that is not there."""
-    terms = records.terms
-    rise = sign * velocity[len(velocity) - 1]
-    _set_terms(waves, SPEED, along, count, place, z, t, velocity, rise, terms)
-    squares = _squares(waves, count, terms)
-    first = PLACE + 2 * len(place)
-    for order in range(ORDER + 2):
-        if order > 0:
-            _raise_terms(count, 1.0 / order, terms)
-        if order <= ORDER and len(place) == 2:
-            _add_in_plane(sign, waves, along, count, terms, record, first + order)
-        elif order <= ORDER:
-            _add_in_space(sign, waves, along, count, terms, record, first + order)
-    missing, _, _, _ = _squares(waves, count, terms)
-    return squares, missing
-
-
-@kernel
-def _begin(record, place, velocity, moment):
+def begin_record(record, place, velocity, moment):
     for k in range(record.shape[0]):
         record[k] = 0.0
     record[MOMENT] = moment
@@ -269,7 +74,7 @@ def _begin(record, place, velocity, moment):
 
 
 @kernel
-def _limit(record, squares, missing, least, velocity, tolerance):
+def limit_reach(record, squares, missing, least, velocity, tolerance):
     """How far a record serves.  In time the acceleration lacks (n + 1) E_(n+1) s^n; at a distance e from the path it lacks
     k^3 |v| E e^2/2 and omega k^3 E e^3/6, the velocity k^3 E e^3/6.  To |v| is added the water's, by which stretched heights move.
     Nor does it serve where these terms, of waves of the mean size, are not the first of series that fall.
@@ -290,10 +95,62 @@ def _limit(record, squares, missing, least, velocity, tolerance):
 
 
 @kernel
-def _ahead(record):
+def ahead_of(record):
     """How far from now the moment of a new record is, by how far the last one served; 0 where that is no number."""
     ahead = AHEAD * record[SPAN]
     return ahead if 0.0 <= ahead < 1e3 else 0.0
+
+
+@kernel
+def serves(record, position, t):
+    """Whether a record holds for a place and time; one of nothing does not."""
+    since = t - record[MOMENT]
+    if not abs(since) < record[SPAN]:
+        return False
+    far = 0.0
+    for k in range(len(position)):
+        away = position[k] - record[PLACE + k] - since * record[PLACE + len(position) + k]
+        far += away * away
+    return far < record[WIDTH] * record[WIDTH]
+
+
+@kernel
+def polynomial(record, first, k, s):
+    """Value and rate of the polynomial k."""
+    at = first + k * (ORDER + 1)
+    value, rate = record[at + ORDER], 0.0
+    for order in range(ORDER - 1, -1, -1):
+        rate = rate * s + value
+        value = value * s + record[at + order]
+    return value, rate
+
+
+@kernel
+def path_of(record, like):
+    """Where a record's path is at its moment, and its velocity."""
+    if len(like) == 2:
+        return (record[PLACE], record[PLACE + 1]), (record[PLACE + 2], record[PLACE + 3])
+    return (record[PLACE], record[PLACE + 1], record[PLACE + 2]), (record[PLACE + 3], record[PLACE + 4], record[PLACE + 5])
+
+
+@kernel
+def _add_family(sign, waves, along, count, place, z, velocity, t, records, record):
+    """Add what deep water's waves do (`sign` 1), or what a bottom mirrors (-1), to the polynomials; squares of terms, and the first one's
+    that is not there."""
+    terms = records.terms
+    rise = sign * velocity[len(velocity) - 1]
+    set_terms(waves, SPEED, along, count, place, z, t, velocity, rise, terms)
+    squares = square_sums(waves, count, terms)
+    first = PLACE + 2 * len(place)
+    for order in range(ORDER + 2):
+        if order > 0:
+            raise_terms(count, 1.0 / order, terms)
+        if order <= ORDER and len(place) == 2:
+            add_in_plane(sign, waves, along, count, terms, record, first + order)
+        elif order <= ORDER:
+            add_in_space(sign, waves, along, count, terms, record, first + order)
+    missing, _, _, _ = square_sums(waves, count, terms)
+    return squares, missing
 
 
 @kernel
@@ -319,104 +176,42 @@ _both_families = by_presence(_in_deep_water, _over_bottom)
 
 @kernel
 def _renew_water(finite_depth, waves, records, record, position, velocity, t):
-    least = _squares_at_surface(waves, SPEED)
-    along = _row_of_directions(position)
-    ahead = _ahead(record)
+    least = square_sums_at_surface(waves, SPEED)
+    along = row_of_directions(position)
+    ahead = ahead_of(record)
     tries = 0
     while True:
         place = axpy(ahead, velocity, position)
         z = place[len(place) - 1]
         if z > 0.0:  # where the waves do not end with z = 0 short ones would grow without end
             ahead, place, z = 0.0, position, position[len(position) - 1]
-        _begin(record, place, velocity, t + ahead)
+        begin_record(record, place, velocity, t + ahead)
         count = count_until(waves[NUMBER], FELT / -z) if z < 0.0 else waves.shape[1]
         squares, missing = _both_families(finite_depth, waves, along, count, place, velocity, t + ahead, records, record)
-        _limit(record, squares, missing, least, velocity, TOLERANCE)
+        limit_reach(record, squares, missing, least, velocity, TOLERANCE)
         if count < waves.shape[1]:
             rise = RISE / waves[NUMBER, count]
             record[SPAN] = min(record[SPAN], rise / (abs(velocity[len(place) - 1]) + 1e-300))
             record[WIDTH] = min(record[WIDTH], rise)
         tries += 1
-        if ahead < record[SPAN] or tries == 3:
+        if ahead < record[SPAN] or tries == MOST_TRIES:
             return
-        ahead = _ahead(record)
-
-
-@kernel
-def _renew_surface(waves, records, record, position, velocity, t):
-    least = _squares_at_surface(waves, AMPLITUDE)
-    along = _row_of_directions(position)
-    first = PLACE + 2 * len(position)
-    ahead = _ahead(record)
-    tries = 0
-    while True:
-        place = axpy(ahead, velocity, position)
-        _begin(record, place, velocity, t + ahead)
-        _set_terms(waves, AMPLITUDE, along, waves.shape[1], place, 0.0, t + ahead, velocity, 0.0, records.terms)
-        squares = _squares(waves, waves.shape[1], records.terms)
-        for order in range(ORDER + 2):
-            if order > 0:
-                _raise_terms(waves.shape[1], 1.0 / order, records.terms)
-            if order <= ORDER and len(position) == 2:
-                _add_surface_in_plane(waves, along, waves.shape[1], records.terms, record, first + order)
-            elif order <= ORDER:
-                _add_surface_in_space(waves, along, waves.shape[1], records.terms, record, first + order)
-        missing, _, _, _ = _squares(waves, waves.shape[1], records.terms)
-        _limit(record, squares, missing, least, velocity, SURFACE_TOLERANCE)
-        tries += 1
-        if ahead < record[SPAN] or tries == 3:
-            return
-        ahead = _ahead(record)
-
-
-# -- reading it
-
-
-@kernel
-def _serves(record, position, t):
-    """Whether a record holds for a place and time; one of nothing does not."""
-    since = t - record[MOMENT]
-    if not abs(since) < record[SPAN]:
-        return False
-    far = 0.0
-    for k in range(len(position)):
-        away = position[k] - record[PLACE + k] - since * record[PLACE + len(position) + k]
-        far += away * away
-    return far < record[WIDTH] * record[WIDTH]
-
-
-@kernel
-def _polynomial(record, first, k, s):
-    """Value and rate of the polynomial k."""
-    at = first + k * (ORDER + 1)
-    value, rate = record[at + ORDER], 0.0
-    for order in range(ORDER - 1, -1, -1):
-        rate = rate * s + value
-        value = value * s + record[at + order]
-    return value, rate
-
-
-@kernel
-def _path(record, like):
-    """Where a record's path is at its moment, and its velocity."""
-    if len(like) == 2:
-        return (record[PLACE], record[PLACE + 1]), (record[PLACE + 2], record[PLACE + 3])
-    return (record[PLACE], record[PLACE + 1], record[PLACE + 2]), (record[PLACE + 3], record[PLACE + 4], record[PLACE + 5])
+        ahead = ahead_of(record) if tries < MOST_TRIES - 1 else 0.0
 
 
 @kernel
 def _read_in_plane(record, position, t):
     """As wave_sums.water_sums.  The derivatives make complex numbers: u + iw falls with z as (u_z + i w_z)."""
     s = t - record[MOMENT]
-    place, speed = _path(record, position)
+    place, speed = path_of(record, position)
     ex, ez = sub(position, axpy(s, speed, place))
     first = PLACE + 4
-    u, u_rate = _polynomial(record, first, 0, s)
-    w, w_rate = _polynomial(record, first, 1, s)
-    b, b_rate = _polynomial(record, first, 2, s)  # u_z = w_x
-    c, c_rate = _polynomial(record, first, 3, s)  # w_z = -u_x
-    d, d_rate = _polynomial(record, first, 4, s)  # u_zz = w_xz = -u_xx
-    e, e_rate = _polynomial(record, first, 5, s)  # w_zz = -u_xz = -w_xx
+    u, u_rate = polynomial(record, first, 0, s)
+    w, w_rate = polynomial(record, first, 1, s)
+    b, b_rate = polynomial(record, first, 2, s)  # u_z = w_x
+    c, c_rate = polynomial(record, first, 3, s)  # w_z = -u_x
+    d, d_rate = polynomial(record, first, 4, s)  # u_zz = w_xz = -u_xx
+    e, e_rate = polynomial(record, first, 5, s)  # w_zz = -u_xz = -w_xx
     far_b, far_c = d * ez - e * ex, e * ez + d * ex
     by_b, by_c = b + 0.5 * far_b, c + 0.5 * far_c
     rate_b, rate_c = b_rate + 0.5 * (d_rate * ez - e_rate * ex), c_rate + 0.5 * (e_rate * ez + d_rate * ex)
@@ -460,24 +255,24 @@ def _sum(share, a, b):
 @kernel
 def _read_in_space(record, position, t):
     s = t - record[MOMENT]
-    place, speed = _path(record, position)
+    place, speed = path_of(record, position)
     e = sub(position, axpy(s, speed, place))
     first = PLACE + 6
-    u, u_rate = _polynomial(record, first, 0, s)
-    v, v_rate = _polynomial(record, first, 1, s)
-    w, w_rate = _polynomial(record, first, 2, s)
-    xz, xz_rate = _polynomial(record, first, 3, s)
-    yz, yz_rate = _polynomial(record, first, 4, s)
-    zz, zz_rate = _polynomial(record, first, 5, s)
-    xx, xx_rate = _polynomial(record, first, 6, s)
-    xy, xy_rate = _polynomial(record, first, 7, s)
-    zzz, zzz_rate = _polynomial(record, first, 8, s)
-    xzz, xzz_rate = _polynomial(record, first, 9, s)
-    yzz, yzz_rate = _polynomial(record, first, 10, s)
-    xxz, xxz_rate = _polynomial(record, first, 11, s)
-    xyz, xyz_rate = _polynomial(record, first, 12, s)
-    xxx, xxx_rate = _polynomial(record, first, 13, s)
-    xxy, xxy_rate = _polynomial(record, first, 14, s)
+    u, u_rate = polynomial(record, first, 0, s)
+    v, v_rate = polynomial(record, first, 1, s)
+    w, w_rate = polynomial(record, first, 2, s)
+    xz, xz_rate = polynomial(record, first, 3, s)
+    yz, yz_rate = polynomial(record, first, 4, s)
+    zz, zz_rate = polynomial(record, first, 5, s)
+    xx, xx_rate = polynomial(record, first, 6, s)
+    xy, xy_rate = polynomial(record, first, 7, s)
+    zzz, zzz_rate = polynomial(record, first, 8, s)
+    xzz, xzz_rate = polynomial(record, first, 9, s)
+    yzz, yzz_rate = polynomial(record, first, 10, s)
+    xxz, xxz_rate = polynomial(record, first, 11, s)
+    xyz, xyz_rate = polynomial(record, first, 12, s)
+    xxx, xxx_rate = polynomial(record, first, 13, s)
+    xxy, xxy_rate = polynomial(record, first, 14, s)
     near = (-xx, -xy, xz, yz, zz)
     far = _quadratic(zzz, xzz, yzz, -xxz, -xyz, -xxx, -xxy, e)
     gradient = _sum(1.0, far, near)
@@ -500,7 +295,7 @@ def _followed(followed, finite_depth, waves, i, velocity, position, t):
     if i < 0 or i >= followed.water.shape[0]:
         return water_sums(finite_depth, waves, position, position[len(position) - 1], t)
     record = followed.water[i]
-    if not _serves(record, position, t):
+    if not serves(record, position, t):
         _renew_water(finite_depth, waves, followed, record, position, velocity, t)
     if len(position) == 2:
         return _read_in_plane(record, position, t)
@@ -509,82 +304,3 @@ def _followed(followed, finite_depth, waves, i, velocity, position, t):
 
 water_at = by_presence(_summed, _followed)
 """As wave_sums.water_sums, at a place not above z = 0, for the point i that moves at a velocity; or for NOBODY."""
-
-
-@kernel
-def _surface_summed(followed, waves, i, velocity, position, t):
-    return heights(waves, position, t)
-
-
-@kernel
-def _flat(v):
-    return axpy(-v[len(v) - 1], upward(1.0, v), v)
-
-
-@kernel
-def _reads(records, i):
-    """Whose record a point reads; a state from outside may say anything."""
-    reads = records[i, records.shape[1] - 1]
-    return int(reads) if 0.0 <= reads < records.shape[0] else i
-
-
-@kernel
-def _surface_record(waves, followed, i, velocity, place, t):
-    """The point whose record serves the point i: of points above one another one has it, else each its own."""
-    records = followed.surface
-    last = records.shape[1] - 1
-    k = _reads(records, i)
-    if _serves(records[k], place, t):
-        return k
-    k = _reads(records, (i + 1) % records.shape[0])
-    if not _serves(records[k], place, t):
-        k = i
-        _renew_surface(waves, followed, records[i], place, velocity, t)
-    records[i, last] = k
-    return k
-
-
-@kernel
-def _surface_in_plane(record, s, e, speed):
-    first = PLACE + 4
-    height, rate = _polynomial(record, first, 0, s)
-    slope, slope_rate = _polynomial(record, first, 1, s)
-    curvature, curvature_rate = _polynomial(record, first, 2, s)
-    bent = slope + curvature * e
-    rate += e * (slope_rate + 0.5 * curvature_rate * e) - bent * speed
-    return height + e * (slope + 0.5 * curvature * e), rate, (bent, 0.0)
-
-
-@kernel
-def _surface_in_space(record, s, e, speed):
-    first = PLACE + 6
-    height, rate = _polynomial(record, first, 0, s)
-    x, x_rate = _polynomial(record, first, 1, s)
-    y, y_rate = _polynomial(record, first, 2, s)
-    xx, xx_rate = _polynomial(record, first, 3, s)
-    xy, xy_rate = _polynomial(record, first, 4, s)
-    yy, yy_rate = _polynomial(record, first, 5, s)
-    more_x, more_y = xx * e[0] + xy * e[1], xy * e[0] + yy * e[1]
-    height += e[0] * (x + 0.5 * more_x) + e[1] * (y + 0.5 * more_y)
-    rate += e[0] * (x_rate + 0.5 * (xx_rate * e[0] + xy_rate * e[1])) + e[1] * (y_rate + 0.5 * (xy_rate * e[0] + yy_rate * e[1]))
-    x += more_x
-    y += more_y
-    return height, rate - x * speed[0] - y * speed[1], (x, y, 0.0)
-
-
-@kernel
-def _surface_followed(followed, waves, i, velocity, position, t):
-    if i < 0 or i >= followed.surface.shape[0]:
-        return heights(waves, position, t)
-    place = _flat(position)
-    record = followed.surface[_surface_record(waves, followed, i, _flat(velocity), place, t)]
-    s = t - record[MOMENT]
-    begun, speed = _path(record, place)
-    e = sub(place, axpy(s, speed, begun))
-    if len(position) == 2:
-        return _surface_in_plane(record, s, e[0], speed[0])
-    return _surface_in_space(record, s, e, speed)
-
-
-surface_at = by_presence(_surface_summed, _surface_followed)
-"""As wave_sums.heights, likewise."""

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
+from cable_model.kernels.surface_records import surface_at
 from cable_model.kernels.vector import add_matrix, axpy, diagonal, dot, mix, outer, scale, scale_matrix, upward, zero
-from cable_model.kernels.wave_records import NOBODY, surface_at, water_at
+from cable_model.kernels.wave_records import NOBODY, water_at
 from cable_model.kernels.wave_sums import DEPTH, HIGHEST, heights
 
 TAPER = 0.05  # of the sum of the amplitudes: height above the surface within which cut waves fade out
