@@ -250,12 +250,21 @@ def test_an_end_that_is_let_go_is_audited_from_there():
     assert found.energy_share < 1e-3
 
 
+IN_MANY_WAVES = {
+    "cable__diameter": 0.005, "water__density": 1000.0,
+    "waves": {"spectrum": "jonswap", "significant_height": 0.05, "peak_period": 1.0, "components": 40},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", [{}, IN_MANY_WAVES], ids=["still", "many waves"])
 @pytest.mark.parametrize("base", [HANGING, MOORED], ids=["free", "moored"])
-def test_the_audit_changes_no_bit(base):
+def test_the_audit_changes_no_bit(base, changes):
     motion = SWAY if base is HANGING else at(base, SWAY)
+    base = {**base, "waves": changes["waves"]} if changes else base
+    changes = {name: value for name, value in changes.items() if name != "waves"}
     rows = []
     for asked in (False, True):
-        model = make(base, solver__audit=asked, solver__nodes=9, solver__tolerance=1e-3)
+        model = make(base, solver__audit=asked, solver__nodes=9, solver__tolerance=1e-3, **changes)
         model.initialize(motion(0.0))
         for k in range(10):
             model.advance(0.03 * k, 0.03, motion(0.03 * k), motion(0.03 * (k + 1)))

@@ -13,6 +13,7 @@ from cable_model.kernels.path import WINCH, Ends
 from cable_model.kernels.pending import followed
 from cable_model.kernels.staggered_step import Winding
 from cable_model.kernels.vector import sub
+from cable_model.kernels.wave_records import without_records
 
 FADING = 0.9  # of the step that sets the time in which drift is removed, from one internal step to the next shorter one
 
@@ -77,7 +78,7 @@ def _count(parts, problem, view, state, c, time, course, done, h):
     if parts.driven is not None:
         add_averaged(TO_LOWER, state, in_axes(parts.space, force.lower, 0.0), late, gap, h, done, course.span)
     gained = Ends(sub(faster.top, slower.top), sub(faster.lower, slower.lower))
-    count_step(parts.audit, parts, problem, view, state, c, time + done, h, before, after, gained, middle)
+    count_step(parts.audit, without_records(parts, state), problem, view, state, c, time + done, h, before, after, gained, middle)
 
 
 @kernel

@@ -11,7 +11,7 @@ from cable_model.kernels.choice import by_presence, given
 from cable_model.kernels.header import START, STREAM, TIME
 from cable_model.kernels.jit import kernel
 from cable_model.kernels.vector import add, add_matrix, axpy, diagonal, dot, mix, norm, outer, scale, scale_matrix, zero
-from cable_model.kernels.wave_records import Records
+from cable_model.kernels.wave_records import without_records
 from cable_model.kernels.wave_sums import count_until
 from cable_model.kernels.waves import Ramp, grown, wave_motion, wave_motion_of
 
@@ -27,16 +27,15 @@ class Stream(NamedTuple):
 
 
 with_stream = given("stream")
-_with_flow = given("stream", "current_ramp", "wave_ramp", "followed")
+_with_flow = given("stream", "current_ramp", "wave_ramp")
 
 
 @kernel
 def in_water_now(parts, p, state):
     """The parts with the start of the run, and the current that inputs give now; no records of waves, see layout.with_waves_followed."""
     stream = Stream(state[STREAM], state[STREAM + 1], state[STREAM + 2], state[STREAM + 3], state[TIME])
-    nothing = state[0:0]
-    records = Records(nothing.reshape((0, 1)), nothing.reshape((0, 1)), nothing.reshape((0, 1)))
-    return _with_flow(parts, stream, Ramp(state[START], p[0].current.ramp_time), Ramp(state[START], p[0].waves.ramp_time), records)
+    known = _with_flow(parts, stream, Ramp(state[START], p[0].current.ramp_time), Ramp(state[START], p[0].waves.ramp_time))
+    return without_records(known, state)
 
 
 @kernel

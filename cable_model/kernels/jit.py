@@ -150,14 +150,14 @@ def summing(function):
     return kernel(function, fastmath=set(SUMS))
 
 
-def summand(function):
-    """Like `kernel`, for what such a loop adds up: computed as it is written, and never by a call, which would end that."""
-    return kernel(function, forceinline=True)
-
-
 def inlined(function):
     """Like `kernel`, for what a loop over cells calls in one place: never by a call, which would pass what it returns through memory."""
     return kernel(function, forceinline=True)
+
+
+def summand(function):
+    """Likewise what such a loop adds up, computed as it is written: a call would end that several terms are computed at a time."""
+    return inlined(function)
 
 
 def _compile_without_collecting(called_by_python):

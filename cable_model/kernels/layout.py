@@ -76,39 +76,36 @@ def _room_of_steps(parts, p):
 
 
 @kernel
+def _no_table(table, axis):
+    return 0
+
+
+@kernel
+def _length(table, axis):
+    return table.shape[axis]
+
+
+_length_of = by_presence(_no_table, _length)
+
+
+@kernel
 def _none(followed, waves):
     return 0
 
 
 @kernel
-def _all(followed, waves):
-    return columns_of(waves)
+def _many(followed, waves):
+    count = _length_of(waves, 1)
+    return count if count >= MANY else 0
 
 
-@kernel
-def _no_table(table):
-    return 0
-
-
-@kernel
-def _its_columns(table):
-    return table.shape[1]
-
-
-@kernel
-def _its_rows(table):
-    return table.shape[0]
-
-
-columns_of = by_presence(_no_table, _its_columns)
-rows_of = by_presence(_no_table, _its_rows)
-_count = by_presence(_none, _all)  # of the components of waves whose points are followed
+_count = by_presence(_none, _many)  # of the components of waves in which points are followed
 
 
 @kernel
 def _points(parts, p):
     """Cells, the lower end and bodies on the cable, in this order: what reads the waves."""
-    return node_count(p) + rows_of(parts.line_bodies)
+    return node_count(p) + _length_of(parts.line_bodies, 0)
 
 
 @kernel
@@ -123,7 +120,7 @@ def _no_records(followed, parts, p):
 
 @kernel
 def _records(followed, parts, p):
-    if columns_of(parts.waves) < MANY:
+    if _count(followed, parts.waves) == 0:
         return 0
     water, surface = record_sizes(axes(parts.space, 0.0, 0.0, 0.0))
     return _points(parts, p) * water + _surface_points(parts, p) * surface

@@ -159,7 +159,9 @@ def assemble(parts, problem, gains, mesh, q, v, a, top, time, lowest, bands, x, 
         store_from(cells, i, 3 + len(like), along)
         v_up = v_low
         a_up = a_low
-    end_r, end_d = lower_end_terms(parts.body, parts, body, problem.cable, gains, n - 1, position, v_up, a_up, time)
+    end_r, end_d = zero(like), diagonal(0.0, like)
+    if lowest == 0:
+        end_r, end_d = lower_end_terms(parts.body, parts, body, problem.cable, gains, n - 1, position, v_up, a_up, time)
     store_matrix(bands, 2, lowest, add_matrix(carry_d, end_d))
     store_matrix(bands, 1, lowest, diagonal(0.0, like))
     store_matrix(bands, 3, n - 1, diagonal(0.0, like))

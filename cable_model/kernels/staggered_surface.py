@@ -10,7 +10,7 @@ z_t are those of linear waves: products with their slopes are left out, and so a
 """
 
 from cable_model.kernels.choice import by_presence
-from cable_model.kernels.fluid import body_drag, water_motion, water_motion_of
+from cable_model.kernels.fluid import body_drag, water_motion_of
 from cable_model.kernels.jit import inlined, kernel
 from cable_model.kernels.staggered_water import SHARE, deep_body, deep_cell, element_water, turned_normal
 from cable_model.kernels.surface import cell_share, centre, level_over, level_over_point, share
@@ -172,7 +172,8 @@ def _bobbing_body(surface, parts, body, cable, gains, i, position, v, a, time):
     wet, slope, bend = share(height - level, r)
     drop, by_height = centre(height - level, r)
     e = upward(1.0, v)
-    flow, flow_rate, flow_gradient = water_motion(parts, axpy(-drop, e, position), time)
+    sinks = axpy(-by_height * (v[len(v) - 1] - level_rate), e, v)
+    flow, flow_rate, flow_gradient = water_motion_of(parts, i, sinks, axpy(-drop, e, position), time)
     u = sub(v, flow)
     drag, by_v = body_drag(body.drag, u)
     lift = body.displaced_mass * cable.gravity

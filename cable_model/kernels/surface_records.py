@@ -2,7 +2,7 @@
 
 from cable_model.kernels.choice import by_presence
 from cable_model.kernels.jit import kernel
-from cable_model.kernels.vector import axpy, sub, upward
+from cable_model.kernels.vector import axpy, norm, sub, upward
 from cable_model.kernels.wave_records import (
     MOMENT,
     MOST_TRIES,
@@ -51,7 +51,7 @@ def _renew_surface(waves, records, record, position, velocity, t):
             elif order <= ORDER:
                 add_surface_in_space(waves, along, waves.shape[1], records.terms, record, first + order)
         missing, _, _, _ = square_sums(waves, waves.shape[1], records.terms)
-        limit_reach(record, squares, missing, least, velocity, SURFACE_TOLERANCE)
+        limit_reach(record, squares, missing, least, norm(velocity), SURFACE_TOLERANCE)
         tries += 1
         if ahead < record[SPAN] or tries == MOST_TRIES:
             return

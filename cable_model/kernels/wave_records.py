@@ -36,7 +36,7 @@ NOBODY = -1  # instead of the number of a point: no record is to be used
 MOST_TRIES = 3  # to make a record, of which the last is about now
 AHEAD = 0.8  # of the last record's reach: how far from now the moment of the next is
 LEAST = 1e-4  # of what the waves are at the surface: what is less counts as so much
-RISE = 0.5 * FELT  # by how many exponents a component that is not felt at a record's moment may grow along its path, and beside it
+RISE = 1.0  # by how many exponents the shortest component that is felt may grow along a record's path, and as many beside it
 # a record: moment, s; how far it serves in time, s, and from its path, m; place and velocity; then one polynomial after the other
 MOMENT, SPAN, WIDTH, PLACE = 0, 1, 2, 3
 IN_PLANE, IN_SPACE = 6, 15  # polynomials of the water: two or three components, and the derivatives of their own
@@ -52,6 +52,13 @@ class Records(NamedTuple):
 
 
 with_records = given("followed")
+
+
+@kernel
+def without_records(parts, state):
+    """The parts with records of no point, so that all components are summed."""
+    nothing = state[0:0].reshape((0, 1))
+    return with_records(parts, Records(nothing, nothing, nothing))
 
 
 @kernel
@@ -74,9 +81,10 @@ def begin_record(record, place, velocity, moment):
 
 
 @kernel
-def limit_reach(record, squares, missing, least, velocity, tolerance):
-    """How far a record serves.  In time the acceleration lacks (n + 1) E_(n+1) s^n; at a distance e from the path it lacks
-    k^3 |v| E e^2/2 and omega k^3 E e^3/6, the velocity k^3 E e^3/6.  To |v| is added the water's, by which stretched heights move.
+def limit_reach(record, squares, missing, least, speed, tolerance):
+    """Set how far a record serves.  In time the acceleration lacks (n + 1) E_(n+1) s^n; at a distance e from the path it lacks
+    k^3 |v| E e^2/2 and omega k^3 E e^3/6, the velocity k^3 E e^3/6.  `speed` is |v|, and of the water more by
+    what it does itself, by which stretched heights move.
     Nor does it serve where these terms, of waves of the mean size, are not the first of series that fall.
     """
     tiny = 1e-300
@@ -89,7 +97,6 @@ def limit_reach(record, squares, missing, least, velocity, tolerance):
     if turned > MOST_TURNED * size:
         span *= (MOST_TURNED * size / turned) ** (1.0 / (ORDER + 1))
     record[SPAN] = span
-    speed = norm(velocity) + math.sqrt(0.5 * squares[0])
     width = min(6.0 * swift / both, min(6.0 * quick, size) / third) ** (1.0 / 3.0)
     record[WIDTH] = min(width, math.sqrt(2.0 * swift / (third * speed + tiny)))
 
@@ -188,11 +195,10 @@ def _renew_water(finite_depth, waves, records, record, position, velocity, t):
         begin_record(record, place, velocity, t + ahead)
         count = count_until(waves[NUMBER], FELT / -z) if z < 0.0 else waves.shape[1]
         squares, missing = _both_families(finite_depth, waves, along, count, place, velocity, t + ahead, records, record)
-        limit_reach(record, squares, missing, least, velocity, TOLERANCE)
-        if count < waves.shape[1]:
-            rise = RISE / waves[NUMBER, count]
-            record[SPAN] = min(record[SPAN], rise / (abs(velocity[len(place) - 1]) + 1e-300))
-            record[WIDTH] = min(record[WIDTH], rise)
+        limit_reach(record, squares, missing, least, norm(velocity) + math.sqrt(0.5 * squares[0]), TOLERANCE)
+        rise = RISE / waves[NUMBER, min(count, waves.shape[1] - 1)]
+        record[SPAN] = min(record[SPAN], rise / (abs(velocity[len(place) - 1]) + 1e-300))
+        record[WIDTH] = min(record[WIDTH], rise)
         tries += 1
         if ahead < record[SPAN] or tries == MOST_TRIES:
             return

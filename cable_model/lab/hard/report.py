@@ -100,11 +100,12 @@ def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
     shown = [v for v in verdicts if len(v.run.times) > 2]
     judged = [v for v in shown if v.variant.judged]
     shown = (judged or shown)[:MOST_LINES]
+    weightless = bool(shown) and shown[0].run.is_weightless
     figure, axes = plt.subplot_mosaic([["tension", "shape"], ["energy", "path"]], figsize=(9, 6))
     for verdict in shown:
         run = verdict.run
         thin = slice(None, None, max(1, len(run.times) // 2000))
-        per = 1.0 if run.is_weightless else run.weight
+        per = 1.0 if weightless else run.weight
         axes["tension"].plot(run.times[thin], run["top.tension"][thin] / per, linewidth=0.8, label=verdict.variant.label)
         axes["path"].plot(run.followed[thin, 0], run.followed[thin, 2], linewidth=0.6)
         if len(run.excess):
@@ -116,7 +117,6 @@ def draw(path: Path, verdicts: Sequence[Verdict]) -> None:
         axes["tension"].legend(fontsize=6)
         for name in ("path", "shape"):
             _widen(axes[name], AT_REST * shown[0].run.scene.cable.length)
-    weightless = bool(shown) and shown[0].run.is_weightless
     axes["tension"].set(xlabel="time [s]", ylabel="top tension [N]" if weightless else "top tension / W")
     force = "largest top tension" if weightless else "W"
     axes["energy"].set(xlabel="time [s]", ylabel=f"(energy - start - work) / {force} L")
