@@ -193,7 +193,7 @@ class Waves:
         "", "waves above still water: as at z = 0, stretched to the surface as it is, or cut off there", default="held",
         choices=("held", "wheeler", "cut"),
     )  # fmt: skip
-    exact: bool = quantity("", "sum all components wherever and whenever the water's motion is needed, which takes longer", default=False)
+    exact: bool = quantity("", "whether all components are summed wherever and whenever they are needed, which takes longer", default=False)
 
 
 @dataclass(frozen=True)

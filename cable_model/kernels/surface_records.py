@@ -28,7 +28,7 @@ from cable_model.kernels.wave_terms import (
     square_sums_at_surface,
 )
 
-SURFACE_TOLERANCE = 10.0 * TOLERANCE  # of the surface's rate and height, which move the water's motion by less than itself
+SURFACE_TOLERANCE = 5.0 * TOLERANCE  # of the surface's rate and height, which move the water's motion by less than itself
 
 
 @kernel

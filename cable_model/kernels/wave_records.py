@@ -31,7 +31,7 @@ from cable_model.kernels.wave_terms import (
 MANY = 16  # components: fewer are summed
 FACTORIAL = 5040.0  # of the order after
 MOST_TURNED = 2.0**7  # that power of the largest angle
-TOLERANCE = 5e-5  # of the root mean square of the acceleration; a fifth of it of that of the velocity
+TOLERANCE = 2e-5  # of the root mean square of the acceleration; a fifth of it of that of the velocity
 NOBODY = -1  # instead of the number of a point: no record is to be used
 MOST_TRIES = 3  # to make a record, of which the last is about now
 AHEAD = 0.8  # of the last record's reach: how far from now the moment of the next is
