@@ -21,7 +21,7 @@ from cable_model.signals import OUTPUTS
 G = 9.81
 SEA = {"spectrum": "jonswap", "significant_height": 3.0, "peak_period": 9.0, "components": 200, "seed": 4}
 # of the root mean square of what the sea does at the height: velocity, acceleration and gradient; the last only steers Newton's method
-SHARES = np.array([6e-5, 2e-4, 4e-3])
+SHARES = np.array([4e-5, 1e-4, 2.5e-3])
 
 
 def rows(depth: float, spreading: float, **changes: object) -> np.ndarray:
