@@ -214,9 +214,9 @@ def test_a_restored_run_goes_on_bit_for_bit(kernels, surface):
 
 
 @pytest.mark.parametrize("forged", [1e300, -1.0, 1e9, 25.5, -1e300])
-@pytest.mark.parametrize("place", ["all", *range(8), "reads"])
+@pytest.mark.parametrize("place", ["all", *range(7), "reads"])
 def test_a_state_from_outside_cannot_lead_astray_for_good(place, forged):
-    """Whatever its records say of how far they reach: that shows in a step at most, and none reads what is not there."""
+    """Whatever it says of when, where and how far its records serve: that shows for a while at most, and none reads what is not there."""
     model = make(WIRE, waves__surface="wheeler")
     right = drive(model, every(0.1, 3.0), ENDS)["top.tension"][-1]
     model.initialize(ENDS(0.0))
