@@ -91,15 +91,15 @@ def errors(parts: Parts, sea: np.ndarray, right, depth: float, speed: float, ste
     return np.max(off, axis=0), count / made
 
 
+LASTS = {3.0: (0.18, 0.02), 20.0: (0.6, 0.15), 100.0: (0.9, 0.25), 300.0: (1.2, 0.5)}  # s, a record in the mean: slow points and fast ones
+
+
 @pytest.mark.parametrize("step", [0.01, 0.05])
 @pytest.mark.parametrize("speed", [0.0, 1.0, 6.0])
-@pytest.mark.parametrize("depth", [3.0, 20.0, 100.0, 300.0])
-@pytest.mark.parametrize("bottom", [0.0, 320.0, 110.0])
+@pytest.mark.parametrize(("bottom", "depth"), [(b, d) for b in (0.0, 320.0, 110.0) for d in (3.0, 20.0, 100.0, 300.0) if b == 0.0 or d < b])
 @pytest.mark.parametrize("spreading", [0.0, 4.0])
 def test_a_record_is_the_sum_of_all_components(spreading, bottom, depth, speed, step):
     """Where the water feels the waves least as well: it is a share of what they do there."""
-    if 0.0 < bottom < depth + 10.0:
-        pytest.skip("through the bottom")
     sea = rows(bottom, spreading)
     parts = followed(table_of(sea), 3 if spreading else 2, finite_depth=True if bottom else None, space=True if spreading else None)
 
@@ -114,7 +114,7 @@ def test_a_record_is_the_sum_of_all_components(spreading, bottom, depth, speed, 
 
     shares, steps = errors(parts, sea, right, depth, speed, step, 400)
     assert np.all(shares < SHARES), str(shares)
-    assert steps > (1.0 if speed > 1.0 else 5.0 if step > 0.01 else 20.0) * (1.0 if depth > 3.0 else 0.8)
+    assert steps * step > LASTS[depth][speed > 1.0], steps
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0, 6.0])
