@@ -208,7 +208,7 @@ def why(effect: Effect, scene: Any, model: str) -> str:
     if isinstance(value, tuple):
         return f"{name} has {len(value)} rows"
     if name == "waves.spectrum":
-        return f"{name} = {value}, {scene.waves.components} components"
+        return f"{name} = {value}, {scene.waves.components} components{', summed each time' if scene.waves.exact else ''}"
     shown = str(value).lower() if isinstance(value, bool) else value if isinstance(value, str) else f"{value:g}"
     return f"{name} = {shown} {unit if unit != '1' else ''}".rstrip()
 

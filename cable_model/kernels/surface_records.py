@@ -13,7 +13,7 @@ from cable_model.kernels.wave_records import (
     begin_record,
     limit_reach,
     path_of,
-    polynomial,
+    polynomials,
     serves,
 )
 from cable_model.kernels.wave_sums import AMPLITUDE, heights
@@ -94,9 +94,7 @@ def _surface_record(waves, followed, i, velocity, place, t):
 @kernel
 def _surface_in_plane(record, s, e, speed):
     first = PLACE + 4
-    height, rate = polynomial(record, first, 0, s)
-    slope, slope_rate = polynomial(record, first, 1, s)
-    curvature, curvature_rate = polynomial(record, first, 2, s)
+    (height, slope, curvature), (rate, slope_rate, curvature_rate) = polynomials(record, first, 0, s)
     bent = slope + curvature * e
     rate += e * (slope_rate + 0.5 * curvature_rate * e) - bent * speed
     return height + e * (slope + 0.5 * curvature * e), rate, (bent, 0.0)
@@ -105,12 +103,8 @@ def _surface_in_plane(record, s, e, speed):
 @kernel
 def _surface_in_space(record, s, e, speed):
     first = PLACE + 6
-    height, rate = polynomial(record, first, 0, s)
-    x, x_rate = polynomial(record, first, 1, s)
-    y, y_rate = polynomial(record, first, 2, s)
-    xx, xx_rate = polynomial(record, first, 3, s)
-    xy, xy_rate = polynomial(record, first, 4, s)
-    yy, yy_rate = polynomial(record, first, 5, s)
+    (height, x, y), (rate, x_rate, y_rate) = polynomials(record, first, 0, s)
+    (xx, xy, yy), (xx_rate, xy_rate, yy_rate) = polynomials(record, first, 3, s)
     more_x, more_y = xx * e[0] + xy * e[1], xy * e[0] + yy * e[1]
     height += e[0] * (x + 0.5 * more_x) + e[1] * (y + 0.5 * more_y)
     rate += e[0] * (x_rate + 0.5 * (xx_rate * e[0] + xy_rate * e[1])) + e[1] * (y_rate + 0.5 * (xy_rate * e[0] + yy_rate * e[1]))

@@ -122,7 +122,7 @@ def serves(record, position, t):
 
 
 @kernel
-def polynomial(record, first, k, s):
+def _polynomial(record, first, k, s):
     """Value and rate of the polynomial k."""
     at = first + k * (ORDER + 1)
     value, rate = record[at + ORDER], 0.0
@@ -130,6 +130,15 @@ def polynomial(record, first, k, s):
         rate = rate * s + value
         value = value * s + record[at + order]
     return value, rate
+
+
+@kernel
+def polynomials(record, first, k, s):
+    """Values and rates of three polynomials from k on."""
+    x, x_rate = _polynomial(record, first, k, s)
+    y, y_rate = _polynomial(record, first, k + 1, s)
+    z, z_rate = _polynomial(record, first, k + 2, s)
+    return (x, y, z), (x_rate, y_rate, z_rate)
 
 
 @kernel
@@ -212,12 +221,9 @@ def _read_in_plane(record, position, t):
     place, speed = path_of(record, position)
     ex, ez = sub(position, axpy(s, speed, place))
     first = PLACE + 4
-    u, u_rate = polynomial(record, first, 0, s)
-    w, w_rate = polynomial(record, first, 1, s)
-    b, b_rate = polynomial(record, first, 2, s)  # u_z = w_x
-    c, c_rate = polynomial(record, first, 3, s)  # w_z = -u_x
-    d, d_rate = polynomial(record, first, 4, s)  # u_zz = w_xz = -u_xx
-    e, e_rate = polynomial(record, first, 5, s)  # w_zz = -u_xz = -w_xx
+    (u, w, b), (u_rate, w_rate, b_rate) = polynomials(record, first, 0, s)
+    (c, d, e), (c_rate, d_rate, e_rate) = polynomials(record, first, 3, s)
+    # b: u_z = w_x; c: w_z = -u_x; d: u_zz = w_xz = -u_xx; e: w_zz = -u_xz = -w_xx
     far_b, far_c = d * ez - e * ex, e * ez + d * ex
     by_b, by_c = b + 0.5 * far_b, c + 0.5 * far_c
     rate_b, rate_c = b_rate + 0.5 * (d_rate * ez - e_rate * ex), c_rate + 0.5 * (e_rate * ez + d_rate * ex)
@@ -264,28 +270,18 @@ def _read_in_space(record, position, t):
     place, speed = path_of(record, position)
     e = sub(position, axpy(s, speed, place))
     first = PLACE + 6
-    u, u_rate = polynomial(record, first, 0, s)
-    v, v_rate = polynomial(record, first, 1, s)
-    w, w_rate = polynomial(record, first, 2, s)
-    xz, xz_rate = polynomial(record, first, 3, s)
-    yz, yz_rate = polynomial(record, first, 4, s)
-    zz, zz_rate = polynomial(record, first, 5, s)
-    xx, xx_rate = polynomial(record, first, 6, s)
-    xy, xy_rate = polynomial(record, first, 7, s)
-    zzz, zzz_rate = polynomial(record, first, 8, s)
-    xzz, xzz_rate = polynomial(record, first, 9, s)
-    yzz, yzz_rate = polynomial(record, first, 10, s)
-    xxz, xxz_rate = polynomial(record, first, 11, s)
-    xyz, xyz_rate = polynomial(record, first, 12, s)
-    xxx, xxx_rate = polynomial(record, first, 13, s)
-    xxy, xxy_rate = polynomial(record, first, 14, s)
+    own, own_rate = polynomials(record, first, 0, s)
+    (xz, yz, zz), (xz_rate, yz_rate, zz_rate) = polynomials(record, first, 3, s)
+    (xx, xy, zzz), (xx_rate, xy_rate, zzz_rate) = polynomials(record, first, 6, s)
+    (xzz, yzz, xxz), (xzz_rate, yzz_rate, xxz_rate) = polynomials(record, first, 9, s)
+    (xyz, xxx, xxy), (xyz_rate, xxx_rate, xxy_rate) = polynomials(record, first, 12, s)
     near = (-xx, -xy, xz, yz, zz)
     far = _quadratic(zzz, xzz, yzz, -xxz, -xyz, -xxx, -xxy, e)
     gradient = _sum(1.0, far, near)
     near_rate = (-xx_rate, -xy_rate, xz_rate, yz_rate, zz_rate)
     far_rate = _quadratic(zzz_rate, xzz_rate, yzz_rate, -xxz_rate, -xyz_rate, -xxx_rate, -xxy_rate, e)
-    velocity = axpy(1.0, _applied(_sum(0.5, far, near), e), (u, v, w))
-    acceleration = axpy(1.0, _applied(_sum(0.5, far_rate, near_rate), e), (u_rate, v_rate, w_rate))
+    velocity = axpy(1.0, _applied(_sum(0.5, far, near), e), own)
+    acceleration = axpy(1.0, _applied(_sum(0.5, far_rate, near_rate), e), own_rate)
     acceleration = axpy(-1.0, _applied(gradient, speed), acceleration)
     xx, xy, xz, yz, zz = gradient
     return velocity, acceleration, (xz, yz, zz), (xx, xy, 0.0, xy, -(xx + zz), 0.0, xz, yz, 0.0)

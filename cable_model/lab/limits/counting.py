@@ -17,6 +17,7 @@ import numpy as np
 from cable_model.kernels import grid, header, layout, vector
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
+from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.path import Ends
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
@@ -96,7 +97,8 @@ def _iteration(case: str, nodes: int) -> tuple[dict[str, int], float]:
     scene = scene_of({**CASES[case], "solver.nodes": nodes})
     model: Any = MODELS["chain"](scene)
     model.initialize(np.zeros(10))
-    parts, p = model.parts, model.numbers
+    p = model.numbers
+    parts = in_water_now(model.parts, p, model.state)
     state, work = _counted(model.state), _counted(model._work)
     state[header.CONTRACTION] = 1e-9  # known to converge fast: one iteration
     view = layout.cut(parts, p, state, work)

@@ -16,6 +16,7 @@ import numba
 from cable_model.kernels import grid, header, layout, vector
 from cable_model.kernels.build import build
 from cable_model.kernels.family import coefficients
+from cable_model.kernels.fluid import in_water_now
 from cable_model.kernels.path import Ends
 from cable_model.kernels.staggered_step import Winding
 from cable_model.lab.bench import CASES, scene_of
@@ -129,7 +130,8 @@ def _stepper(case: str, nodes: int) -> Callable[[], int]:
     model.initialize(motion(0.0))
     for k in range(5):
         model.advance(k * step, step, motion(k * step), motion((k + 1) * step))
-    parts, p, state = model.parts, model.numbers, model.state
+    p, state = model.numbers, model.state
+    parts = in_water_now(model.parts, p, state)
     view = layout.cut(parts, p, state, model._work)
     view.yd0[:] = view.yd
     problem, c = build(parts, p, 0.0), coefficients(0, -0.9)
