@@ -154,7 +154,7 @@ def components(waves: Waves, gravity: float, depth: float) -> np.ndarray | None:
 
 
 def table_of(rows: np.ndarray) -> np.ndarray:
-    """The table (10, k) of kernels.waves from rows of `components`: by rising wave number."""
+    """The table (10, k) of kernels.wave_sums from rows of `components`: by rising wave number."""
     amplitude, frequency, number, direction, phase, depth = rows[np.argsort(rows[:, 2], kind="stable")].T
     cosine = np.cos(direction)
     deep = 1.0 - np.exp(-2.0 * number * np.where(depth > 0.0, depth, np.inf))

@@ -25,7 +25,7 @@ def current_over_time(scene: Any) -> np.ndarray:
 
 
 def waves(scene: Any) -> np.ndarray | None:
-    """The table of kernels.waves."""
+    """The table of kernels.wave_sums."""
     rows = components(scene.waves, scene.environment.gravity, scene.water.depth)
     return None if rows is None else table_of(rows)
 
